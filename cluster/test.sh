@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Sets up everything for the tests, builds, and runs all of them with ctest.
+# usage: cluster/test.sh [PRESET] [ctest options]   (PRESET: release (default), debug, asan)
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+preset=${1:-release}
+shift || true
+
+install_packages cluster/packages.txt cluster/packages_test.txt
+build "$preset" -DDRUMSWEEP_BUILD_TESTS=ON
+ctest --preset "$preset" -j "$(nproc)" "$@"

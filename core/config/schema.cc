@@ -1,0 +1,360 @@
+#include "core/config/schema.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace drumsweep {
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+/// Collects the fields of one table under its name.
+struct Table {
+  std::vector<Field>& list;
+  std::string name;
+  Scope scope;
+
+  void number(const char* key, double& value, double low, double high, const char* help, bool optional = false) {
+    list.push_back({name + key, &value, low, high, optional, {}, scope, help});
+  }
+  void count(const char* key, std::int64_t& value, double low, double high, const char* help) {
+    list.push_back({name + key, &value, low, high, false, {}, scope, help});
+  }
+  void flag(const char* key, bool& value, const char* help) {
+    list.push_back({name + key, &value, -unbounded, unbounded, false, {}, scope, help});
+  }
+  void text(const char* key, std::string& value, std::vector<std::string> choices, const char* help) {
+    list.push_back({name + key, &value, -unbounded, unbounded, false, std::move(choices), scope, help});
+  }
+};
+
+}  // namespace
+
+std::vector<Field> fields(Study& s) {
+  std::vector<Field> list;
+  Table top{list, "", Scope::label};
+  top.text("name", s.name, {}, "title in figures and reports");
+  top.scope = Scope::warm_state;
+  top.count("seed", s.seed, 0, 9007199254740992.0,
+            "of texture and feed; the same study and seed give the same table, bit for bit");
+
+  Table drum{list, "drum.", Scope::warm_state};
+  drum.number("diameter_m", s.drum.diameter_m, 0.02, 20, "inner diameter");
+  drum.number("length_m", s.drum.length_m, 0.02, 100, "from the closed upper end to the outlet");
+  drum.number("inclination_deg", s.drum.inclination_deg, 0, 45, "of the axis, downhill towards the outlet");
+  drum.number("angular_velocity_rad_s", s.drum.angular_velocity_rad_s, 0.01, 50, "of drum and outlet");
+  drum.number("mesh_resolution_m", s.drum.mesh_resolution_m, 0.001, 1, "edge length of the wall's triangles");
+  Table texture{list, "drum.texture.", Scope::warm_state};
+  texture.number("density_1_m2", s.drum.texture.density_1_m2, 0, 1e5, "Gaussian bumps per area of wall; 0 = smooth");
+  texture.number("height_min_m", s.drum.texture.height_min_m, 0, 1, "bump heights are uniform between these two");
+  texture.number("height_max_m", s.drum.texture.height_max_m, 0, 1, "");
+  texture.number("width_min_m", s.drum.texture.width_min_m, 1e-4, 1, "bump widths are uniform between these two");
+  texture.number("width_max_m", s.drum.texture.width_max_m, 1e-4, 1, "");
+  texture.text("width_is", s.drum.texture.width_is, {"sigma", "two_sigma"},
+               "the width is one or two standard deviations");
+
+  // The outlet in [outlet] serves the warm-up unless [warmup] names another.
+  Table outlet{list, "outlet.", Scope::warm_state};
+  outlet.number("length_m", s.outlet.length_m, 0.01, 50, "along the axis");
+  outlet.number("opening_angle_deg", s.outlet.opening_angle_deg, 0, 120,
+                "full angle by which a slot widens; give it in deg or in rad", true);
+  outlet.number("opening_angle_rad", s.outlet.opening_angle_rad, 0, 2, "the same in rad", true);
+  outlet.number("base_width_m", s.outlet.base_width_m, 0.001, 10, "width of a slot where the outlet begins");
+  outlet.count("num_slots", s.outlet.num_slots, 1, 24, "evenly spaced");
+  outlet.number("bisector_angle_deg", s.outlet.bisector_angle_deg, -60, 60,
+                "between a slot's bisector and the axis direction on the unrolled wall");
+  outlet.text("bisector_sense", s.outlet.bisector_sense, {"with_rotation", "against_rotation"},
+              "which way the bisector leans going downhill");
+  outlet.text("distance_along", s.outlet.distance_along, {"axis", "bisector"},
+              "what the distance s in width(s) = base + 2 s tan(angle/2) runs along");
+
+  Table belt{list, "belt.", Scope::recording};
+  belt.number("width_m", s.belt.width_m, 0.02, 50, "across, along the projected drum axis");
+  belt.scope = Scope::evaluation;
+  belt.number("speed_m_s", s.belt.speed_m_s, 1e-3, 20, "across the drum axis");
+  belt.scope = Scope::recording;
+  belt.number("outlet_begin_m", s.belt.outlet_begin_m, -10, 50, "where the outlet begins, from the belt's edge");
+  belt.number("drop_height_m", s.belt.drop_height_m, 0.001, 10, "of the outlet's lowest point above the belt");
+  belt.text("edge", s.belt.edge, {"skirt", "open"},
+            "skirt: what lands past an edge slides back inside; open: it is spilled");
+
+  Table feed{list, "feed.", Scope::warm_state};
+  feed.number("rate_kg_s", s.feed.rate_kg_s, 0, 1e5, "mass flow into the upper end");
+  feed.number("zone_begin_m", s.feed.zone_begin_m, 0, 100, "from the upper end, along the axis");
+  feed.number("zone_length_m", s.feed.zone_length_m, 0.001, 100, "along the axis");
+  feed.number("zone_width_m", s.feed.zone_width_m, 0.001, 20, "across, centred under the axis");
+
+  Table material{list, "material.", Scope::warm_state};
+  material.number("diameter_m", s.material.diameter_m, 1e-4, 1, "of a ball");
+  material.number("density_kg_m3", s.material.density_kg_m3, 1, 50000, "of a ball");
+  material.number("friction", s.material.friction, 0, 10, "Coulomb coefficient, ball-ball and ball-wall");
+  material.number("stiffness_N_m15", s.material.stiffness_N_m15, 1, 1e15,
+                  "k of Hertz' law f = k (g^1.5 + c g^0.5 dg/dt), overlap g");
+  material.number("damping_s", s.material.damping_s, 0, 10, "c of the same");
+
+  Table solver{list, "solver.", Scope::warm_state};
+  solver.number("outer_step_s", s.solver.outer_step_s, 1e-7, 0.1, "contact search and feed once per outer step");
+  solver.count("sub_steps", s.solver.sub_steps, 1, 1000, "time steps per outer step");
+  solver.count("iterations", s.solver.iterations, 1, 100000, "Gauss-Seidel passes per time step");
+  solver.number("speculative_margin", s.solver.speculative_margin, 0, 1,
+                "contact rows for gaps up to this fraction of a ball diameter");
+  solver.number("impact_speed_m_s", s.solver.impact_speed_m_s, 0, 100,
+                "a faster approach is an impact, with zero restitution");
+  solver.number("stabilization_steps", s.solver.stabilization_steps, 0, 100,
+                "least relaxation time of an overlap, in time steps");
+  solver.flag("warm_start", s.solver.warm_start, "start from the last step's impulses");
+
+  Table warmup{list, "warmup.", Scope::warm_state};
+  warmup.number("window_turns", s.warmup.window_turns, 0.25, 1000,
+                "inflow and outflow are compared over windows of this many turns");
+  warmup.number("tolerance", s.warmup.tolerance, 1e-4, 1, "steady when |in - out| <= tolerance * in ...");
+  warmup.count("windows", s.warmup.windows, 1, 100, "... in this many windows in a row");
+  warmup.number("max_turns", s.warmup.max_turns, 0, 1e6, "the warm-up ends here at the latest, and says so");
+  warmup.number("opening_angle_deg", s.warmup.opening_angle_deg, 0, 120,
+                "outlet of the warm-up, where it is not that of [outlet]", true);
+  warmup.number("opening_angle_rad", s.warmup.opening_angle_rad, 0, 2, "the same in rad", true);
+  warmup.number("base_width_m", s.warmup.base_width_m, 0.001, 10, "", true);
+
+  Table record{list, "record.", Scope::recording};
+  record.number("adapt_turns", s.record.adapt_turns, 0, 1e5, "after the outlet was swapped, before recording");
+  record.number("turns", s.record.turns, 1, 1e5, "whole turns recorded");
+
+  Table objective{list, "objective.", Scope::evaluation};
+  objective.text("window", s.objective.window, {"belt", "footprint"}, "part of the belt that f_m looks at");
+  objective.text("weights", s.objective.weights, {"decaying", "growing", "uniform"},
+                 "of mode n: 2^-(n-1), 2^(n-1) as printed in S1, 1");
+  objective.text("normalization", s.objective.normalization, {"modes", "samples"},
+                 "f is divided by the number of modes N, or of samples 2 N");
+  objective.number("cell_diameters", s.objective.cell_diameters, 0.5, 100, "bed cell in ball diameters");
+  objective.number("packing", s.objective.packing, 0.1, 1, "of the bed on the belt");
+  objective.number("friction_angle_deg", s.objective.friction_angle_deg, 1, 80, "steepest slope of the bed");
+  return list;
+}
+
+std::string to_toml(const Field& field) {
+  struct {
+    std::string operator()(const double* v) const {
+      std::string text = fmt::format("{}", *v);
+      if (std::isfinite(*v) && text.find_first_of(".e") == std::string::npos) text += ".0";
+      return text;
+    }
+    std::string operator()(const std::int64_t* v) const { return fmt::format("{}", *v); }
+    std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
+    std::string operator()(const std::string* v) const {
+      std::string out = "\"";
+      for (const char c : *v) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) < 0x20) {
+          out += fmt::format("\\u{:04x}", c);
+        } else {
+          out += c;
+        }
+      }
+      return out + '"';
+    }
+  } print;
+  return std::visit(print, field.value);
+}
+
+std::string accepted(const Field& field) {
+  if (std::holds_alternative<bool*>(field.value)) return "true or false";
+  if (std::holds_alternative<std::string*>(field.value))
+    return field.choices.empty() ? "any text" : fmt::format("{}", fmt::join(field.choices, " | "));
+  const bool whole = std::holds_alternative<std::int64_t*>(field.value);
+  return fmt::format("{}{} to {}", whole ? "whole number, " : "", field.low, field.high);
+}
+
+namespace {
+
+/// Empty when the field's value is accepted.
+std::string complaint(const Field& field) {
+  const auto out_of_range = [&](double v) { return !(v >= field.low && v <= field.high); };
+  bool bad = false;
+  if (const auto* const* d = std::get_if<double*>(&field.value))
+    bad = !(field.optional && std::isnan(**d)) && out_of_range(**d);
+  if (const auto* const* i = std::get_if<std::int64_t*>(&field.value)) bad = out_of_range(static_cast<double>(**i));
+  if (const auto* const* t = std::get_if<std::string*>(&field.value))
+    bad = !field.choices.empty() && std::find(field.choices.begin(), field.choices.end(), **t) == field.choices.end();
+  return bad ? fmt::format("{} = {}: accepted is {}", field.key, to_toml(field), accepted(field)) : "";
+}
+
+void check_outlet(const OutletConfig& outlet, const DrumConfig& drum, const std::string& table,
+                  const std::function<std::string(const std::string&)>& where) {
+  const auto fail = [&](const char* key, const std::string& text) {
+    throw InputError(where(table + key) + table + key + ": " + text);
+  };
+  const bool deg = !std::isnan(outlet.opening_angle_deg), rad = !std::isnan(outlet.opening_angle_rad);
+  if (deg == rad)
+    fail("opening_angle_deg",
+         deg ? "given in deg and in rad; give one of the two"
+             : "missing; give opening_angle_deg or opening_angle_rad (the unit is part of the key)");
+  // Slots must leave some wall between them up to the outlet's end.
+  const double along = outlet.distance_along == "axis"
+                           ? outlet.length_m
+                           : outlet.length_m / std::cos(outlet.bisector_angle_deg * std::numbers::pi / 180);
+  const double pitch = std::numbers::pi * drum.diameter_m / static_cast<double>(outlet.num_slots);
+  const double widest = outlet.base_width_m + 2 * along * std::tan(opening_angle_rad(outlet) / 2);
+  if (!(widest < 0.999 * pitch))
+    fail(
+        deg ? "opening_angle_deg" : "opening_angle_rad",
+        fmt::format(
+            "slots {:.4g} m wide at the outlet's end overlap: {} slots on a drum of {} m leave room for {:.4g} m each; "
+            "use a smaller angle or base width",
+            widest, outlet.num_slots, drum.diameter_m, pitch));
+}
+
+}  // namespace
+
+void validate(const Study& study, const std::function<std::string(const std::string&)>& where_or_empty) {
+  const auto where = where_or_empty ? where_or_empty : [](const std::string&) { return std::string(); };
+  Study copy = study;
+  for (const Field& field : fields(copy))
+    if (const std::string text = complaint(field); !text.empty()) throw InputError(where(field.key) + text);
+
+  const auto need = [&](bool ok, const char* key, const std::string& text) {
+    if (!ok) throw InputError(where(key) + key + ": " + text);
+  };
+  const auto& t = study.drum.texture;
+  need(t.height_min_m <= t.height_max_m, "drum.texture.height_max_m", "must not be below height_min_m");
+  need(t.width_min_m <= t.width_max_m, "drum.texture.width_max_m", "must not be below width_min_m");
+  need(t.height_max_m < 0.25 * study.drum.diameter_m, "drum.texture.height_max_m",
+       fmt::format("{} m is not below a quarter of the drum's diameter", t.height_max_m));
+  need(study.material.diameter_m < 0.2 * study.drum.diameter_m, "material.diameter_m",
+       fmt::format("{} m: a ball must be smaller than a fifth of the drum's diameter, {} m", study.material.diameter_m,
+                   study.drum.diameter_m));
+  need(study.drum.mesh_resolution_m <= 0.1 * study.drum.diameter_m, "drum.mesh_resolution_m",
+       fmt::format("{} m is too coarse for a drum of {} m: accepted is up to a tenth of the diameter",
+                   study.drum.mesh_resolution_m, study.drum.diameter_m));
+  need(study.feed.zone_begin_m + study.feed.zone_length_m <= study.drum.length_m, "feed.zone_length_m",
+       fmt::format("the feed zone ends at {} m, beyond the drum's length {} m",
+                   study.feed.zone_begin_m + study.feed.zone_length_m, study.drum.length_m));
+  need(study.feed.zone_width_m <= 0.9 * study.drum.diameter_m, "feed.zone_width_m",
+       fmt::format("{} m does not fit into a drum of {} m: accepted is up to 0.9 of the diameter",
+                   study.feed.zone_width_m, study.drum.diameter_m));
+  check_outlet(study.outlet, study.drum, "outlet.", where);
+  check_outlet(warmup_outlet(study), study.drum, "outlet.", where);
+  need(study.record.turns == std::floor(study.record.turns), "record.turns",
+       "whole turns only, so that every slot counts alike");
+
+  // Stages: known names, sizes, and every corner of a grid must be a valid design.
+  std::vector<std::string> names;
+  for (const StageConfig& stage : study.stages) {
+    const std::string here = where("stage") + "stage \"" + stage.name + "\": ";
+    if (stage.name.empty() || stage.name.find_first_of(",\"\n\r/") != std::string::npos)
+      throw InputError(here + "name: needs letters, without comma, quote or slash");
+    if (std::find(names.begin(), names.end(), stage.name) != names.end()) throw InputError(here + "name: used twice");
+    names.push_back(stage.name);
+    if (stage.variables.empty()) throw InputError(here + "variables: at least one is needed");
+    double nodes = 1;
+    for (const StageVariable& v : stage.variables) {
+      Study probe = study;
+      if (stage.type == "grid") {
+        if (!(v.count >= 1 && v.count <= 100000))
+          throw InputError(fmt::format("{}{}: count = {}: accepted is 1 to 100000", here, v.key, v.count));
+        if (!std::isfinite(v.from) || !std::isfinite(v.to) || v.from > v.to || (v.count == 1 && v.from != v.to))
+          throw InputError(
+              fmt::format("{}{}: from = {}, to = {}, count = {}: needs finite from <= to (equal for one node)", here,
+                          v.key, v.from, v.to, v.count));
+        nodes *= static_cast<double>(v.count);
+      } else if (v.values.empty() || v.values.size() != stage.variables.front().values.size()) {
+        throw InputError(fmt::format("{}{}: {} values: needs at least one, and as many as the other variables", here,
+                                     v.key, v.values.size()));
+      }
+      try {
+        if (stage.type == "grid") set_number(probe, v.key, v.from);
+        if (stage.type == "grid") set_number(probe, v.key, v.to);
+        for (const double value : v.values) set_number(probe, v.key, value);
+      } catch (const InputError& error) {
+        throw InputError(here + error.what());
+      }
+      for (const Field& f : fields(probe))
+        if (f.key == v.key && f.scope == Scope::warm_state && f.key.rfind("outlet.", 0) != 0)
+          throw InputError(here + v.key + ": cannot vary in a stage, because all designs start from one warm drum");
+    }
+    if (nodes > 1e6) throw InputError(fmt::format("{}{:.3g} designs: accepted is up to a million", here, nodes));
+  }
+}
+
+void set_number(Study& study, const std::string& key, double value) {
+  std::vector<Field> list = fields(study);
+  const auto field = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.key == key; });
+  std::vector<std::string> keys;
+  for (const Field& f : list)
+    if (std::holds_alternative<double*>(f.value)) keys.push_back(f.key);
+  if (field == list.end() || !std::holds_alternative<double*>(field->value)) {
+    const std::string near = did_you_mean(key, keys);
+    throw InputError(fmt::format("{}: no such numeric key{}", key, near.empty() ? "" : "; did you mean " + near + "?"));
+  }
+  double& target = *std::get<double*>(field->value);
+  const double before = target;
+  target = value;
+  if (!std::isfinite(value) || !complaint(*field).empty()) {
+    const std::string text = fmt::format("{} = {}: accepted is {}", key, value, accepted(*field));
+    target = before;
+    throw InputError(text);
+  }
+  if (key == "outlet.opening_angle_deg") study.outlet.opening_angle_rad = not_given;
+  if (key == "outlet.opening_angle_rad") study.outlet.opening_angle_deg = not_given;
+}
+
+double get_number(const Study& study, const std::string& key) {
+  Study copy = study;
+  for (const Field& field : fields(copy))
+    if (field.key == key && std::holds_alternative<double*>(field.value)) return *std::get<double*>(field.value);
+  throw InputError(key + ": no such numeric key");
+}
+
+std::vector<Difference> differences(const Study& stored, const Study& given) {
+  Study a = stored, b = given;
+  const std::vector<Field> left = fields(a), right = fields(b);
+  std::vector<Difference> list;
+  for (std::size_t i = 0; i < left.size(); ++i)
+    if (to_toml(left[i]) != to_toml(right[i]))
+      list.push_back({left[i].key, to_toml(left[i]), to_toml(right[i]), left[i].scope});
+  return list;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    // Levenshtein distance, one row at a time.
+    std::vector<std::size_t> row(candidate.size() + 1);
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= word.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i;
+      for (std::size_t j = 1; j < row.size(); ++j) {
+        const std::size_t replaced = diagonal + (word[i - 1] == candidate[j - 1] ? 0 : 1);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+double opening_angle_rad(const OutletConfig& outlet) {
+  return std::isnan(outlet.opening_angle_deg) ? outlet.opening_angle_rad
+                                              : outlet.opening_angle_deg * std::numbers::pi / 180;
+}
+
+OutletConfig warmup_outlet(const Study& study) {
+  OutletConfig outlet = study.outlet;
+  const WarmupConfig& w = study.warmup;
+  if (!std::isnan(w.opening_angle_deg) || !std::isnan(w.opening_angle_rad)) {
+    outlet.opening_angle_deg = w.opening_angle_deg;
+    outlet.opening_angle_rad = w.opening_angle_rad;
+  }
+  if (!std::isnan(w.base_width_m)) outlet.base_width_m = w.base_width_m;
+  return outlet;
+}
+
+}  // namespace drumsweep

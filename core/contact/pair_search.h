@@ -1,0 +1,28 @@
+/// Candidate pairs of balls from a cell grid, in a canonical order.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/state/drum_state.h"
+
+namespace drumsweep {
+
+struct PairSearch {
+  double cell_size = 0;    ///< no pair farther apart than this is listed [m]
+  double margin = 0;       ///< pairs are listed up to this gap ... [m]
+  double horizon = 0;      ///< ... plus what their relative velocity closes in this time [s]
+  double extra_speed = 0;  ///< ... and this speed more, for what collisions change [m/s]
+};
+
+/// Scratch that keeps its memory from search to search.
+struct PairSearchScratch {
+  std::vector<std::uint32_t> cell_of, cell_begin, order, place_of, old_begin;
+  std::vector<PairImpulse> old;
+};
+
+/// Sorts the balls by cell (along the axis first, so that neighbours in space are neighbours in memory), lists the
+/// pairs and carries their impulses over. Deterministic: a function of the state alone.
+void sort_and_find_pairs(const PairSearch& search, DrumState& state, PairSearchScratch& scratch);
+
+}  // namespace drumsweep

@@ -1,0 +1,241 @@
+#include "core/io/snapshot.h"
+
+#include <fmt/format.h>
+
+#include "core/config/schema.h"
+#include "core/config/toml_reader.h"
+#include "core/io/hdf5_image.h"
+
+namespace drumsweep {
+namespace {
+
+constexpr const char* warm_kind = "warm_state";
+constexpr const char* recording_kind = "recording";
+constexpr int warm_layout = 1;
+constexpr int recording_layout = 1;
+
+/// Study without its stages: what a state or a recording may depend on.
+std::string study_text(Study study) {
+  study.stages.clear();
+  return write_study(study, false);
+}
+
+std::vector<double> flat(const std::vector<Eigen::Vector3d>& vectors) {
+  std::vector<double> out;
+  out.reserve(3 * vectors.size());
+  for (const Eigen::Vector3d& v : vectors) out.insert(out.end(), {v[0], v[1], v[2]});
+  return out;
+}
+
+std::vector<Eigen::Vector3d> vectors(const std::vector<double>& values) {
+  std::vector<Eigen::Vector3d> out(values.size() / 3);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  return out;
+}
+
+void write_counts(Hdf5Writer& file, const Counts& c) {
+  file.attribute("fed", c.fed);
+  file.attribute("landed", c.landed);
+  file.attribute("spilled", c.spilled);
+  file.attribute("removed", c.removed);
+}
+
+Counts read_counts(const Hdf5Reader& file) {
+  return {file.integer("fed"), file.integer("landed"), file.integer("spilled"), file.integer("removed")};
+}
+
+void write_state(Hdf5Writer& file, const DrumState& s) {
+  file.attribute("num_steps", s.num_steps);
+  file.attribute("feed_debt_kg", s.feed_debt_kg);
+  write_counts(file, s.counts);
+  file.dataset("balls/position", flat(s.balls.position), 3, "m", "centre: along the belt, across it, up");
+  file.dataset("balls/velocity", flat(s.balls.velocity), 3, "m s-1", "of the centre");
+  file.dataset("balls/spin", flat(s.balls.spin), 3, "rad s-1", "angular velocity");
+  file.dataset("balls/radius", s.balls.radius, 1, "m", "");
+  file.dataset("balls/id", s.balls.id, 1, "1", "in the order of feeding");
+  file.dataset("balls/exit", s.balls.exit, 1, "1", "0 inside, 1... slot, 255 over the outlet's end");
+
+  // Only pairs that press carry an impulse to the next step.
+  std::vector<std::uint32_t> pair, ball;
+  std::vector<float> pair_impulse, wall_direction, wall_impulse;
+  for (const PairImpulse& p : s.pairs) {
+    if (!(p.normal > 0)) continue;
+    pair.insert(pair.end(), {p.a, p.b});
+    pair_impulse.insert(pair_impulse.end(), {p.tangent[0], p.tangent[1], p.tangent[2], p.normal});
+  }
+  for (const WallImpulse& w : s.walls) {
+    ball.push_back(w.ball);
+    wall_direction.insert(wall_direction.end(), {w.direction[0], w.direction[1], w.direction[2]});
+    wall_impulse.insert(wall_impulse.end(), {w.tangent[0], w.tangent[1], w.tangent[2], w.normal});
+  }
+  file.dataset("pairs/balls", pair, 2, "1", "rows of /balls that press on each other");
+  file.dataset("pairs/impulse", pair_impulse, 4, "N s", "on the first: tangential part, normal part");
+  file.dataset("walls/ball", ball, 1, "1", "row of /balls that presses on the wall");
+  file.dataset("walls/direction", wall_direction, 3, "1", "normal towards the ball, in the drum's frame");
+  file.dataset("walls/impulse", wall_impulse, 4, "N s",
+               "on the ball, in the drum's frame: tangential part, normal part");
+}
+
+DrumState read_state(const Hdf5Reader& file) {
+  DrumState s;
+  s.num_steps = file.integer("num_steps");
+  s.feed_debt_kg = file.real("feed_debt_kg");
+  s.counts = read_counts(file);
+  s.balls.position = vectors(file.doubles("balls/position"));
+  s.balls.velocity = vectors(file.doubles("balls/velocity"));
+  s.balls.spin = vectors(file.doubles("balls/spin"));
+  s.balls.radius = file.doubles("balls/radius");
+  s.balls.id = file.uint32s("balls/id");
+  s.balls.exit = file.uint8s("balls/exit");
+  const auto pair = file.uint32s("pairs/balls"), ball = file.uint32s("walls/ball");
+  const auto p = file.floats("pairs/impulse"), d = file.floats("walls/direction"), w = file.floats("walls/impulse");
+  for (std::size_t i = 0; i < pair.size() / 2; ++i)
+    s.pairs.push_back({pair[2 * i], pair[2 * i + 1], {p[4 * i], p[4 * i + 1], p[4 * i + 2]}, p[4 * i + 3]});
+  for (std::size_t i = 0; i < ball.size(); ++i)
+    s.walls.push_back(
+        {ball[i], {d[3 * i], d[3 * i + 1], d[3 * i + 2]}, {w[4 * i], w[4 * i + 1], w[4 * i + 2]}, w[4 * i + 3]});
+  return s;
+}
+
+void refuse_differences(const Study& stored, const Study& study, bool recording_too, const std::string& source) {
+  const std::string text = explain_differences(stored, study, recording_too);
+  if (!text.empty()) throw MismatchError(fmt::format("{}: was made with other settings:\n{}", source, text));
+}
+
+}  // namespace
+
+std::string explain_differences(const Study& stored, const Study& given, bool recording_too) {
+  std::string text;
+  for (const Difference& d : differences(stored, given))
+    if (d.scope == Scope::warm_state || (recording_too && d.scope == Scope::recording))
+      text += fmt::format("  {}: stored {}, now {}\n", d.key, d.stored, d.given);
+  return text;
+}
+
+std::string pack_warm_state(const Study& study, const WarmState& warm) {
+  Hdf5Writer file;
+  file.attribute("study", study_text(study));
+  file.attribute("program_version", std::string(DRUMSWEEP_VERSION));
+  file.attribute("finished", std::int64_t{warm.finished});
+  file.attribute("steady", std::int64_t{warm.steady});
+  write_state(file, warm.state);
+  std::vector<double> turns;
+  std::vector<std::int64_t> flow;
+  for (const WarmupWindow& w : warm.windows) {
+    turns.push_back(w.turns_end);
+    flow.insert(flow.end(), {w.fed, w.left, w.inside});
+  }
+  file.dataset("warmup/turns_end", turns, 1, "1", "end of each window, in turns since the empty drum");
+  file.dataset("warmup/flow", flow, 3, "1", "balls fed and left in the window, inside at its end");
+  return file.seal(warm_kind, warm_layout);
+}
+
+StoredDrum unpack_drum(const std::string& bytes, const std::string& source) {
+  const Hdf5Reader file(bytes, warm_kind, warm_layout, source);
+  StoredDrum stored{parse_study(file.text("study"), source + ": study"), {}};
+  WarmState& warm = stored.warm;
+  warm.state = read_state(file);
+  warm.finished = file.integer("finished") != 0;
+  warm.steady = file.integer("steady") != 0;
+  const auto turns = file.doubles("warmup/turns_end");
+  const auto flow = file.int64s("warmup/flow");
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    warm.windows.push_back({turns[i], flow[3 * i], flow[3 * i + 1], flow[3 * i + 2]});
+  return stored;
+}
+
+WarmState unpack_warm_state(const std::string& bytes, const Study& study, const std::string& source) {
+  StoredDrum stored = unpack_drum(bytes, source);
+  refuse_differences(stored.study, study, false, source);
+  return std::move(stored.warm);
+}
+
+std::string pack_recording(const Study& study, const std::string& design_id, const Design& design, const Recording& r) {
+  Hdf5Writer file;
+  file.attribute("study", study_text(study));
+  file.attribute("program_version", std::string(DRUMSWEEP_VERSION));
+  file.attribute("design_id", design_id);
+  std::string keys;
+  std::vector<double> values;
+  for (const auto& [key, value] : design) {
+    keys += (keys.empty() ? "" : ",") + key;
+    values.push_back(value);
+  }
+  file.attribute("design_keys", keys);
+  file.dataset("design", values, 1, "in the keys", "values of design_keys");
+  file.attribute("begin_s", r.begin_s);
+  file.attribute("turns", r.turns);
+  write_counts(file, r.counts);
+  file.attribute("inside", r.inside);
+  file.attribute("lost", r.lost);
+  file.attribute("feed_debt_kg", r.feed_debt_kg);
+  file.attribute("residual_mean_m_s", r.quality.residual.mean);
+  file.attribute("residual_max_m_s", r.quality.residual.max);
+  file.attribute("overlap_mean", r.quality.mean_overlap);
+  file.attribute("overlap_95", r.quality.overlap_95);
+  file.attribute("overlap_max", r.quality.max_overlap);
+  file.attribute("force_balance_m_s", r.quality.force_balance);
+  file.attribute("num_contacts", static_cast<std::int64_t>(r.quality.num_contacts));
+  file.attribute("num_rows", static_cast<std::int64_t>(r.quality.num_rows));
+  file.attribute("state_hash", fmt::format("{:016x}", r.hash));
+
+  std::vector<double> time, place;
+  std::vector<float> velocity, radius;
+  std::vector<std::uint32_t> id;
+  std::vector<std::uint8_t> exit;
+  for (const Landing& l : r.landings) {
+    time.push_back(l.time);
+    place.insert(place.end(), {l.x, l.y});
+    velocity.insert(velocity.end(), {l.vx, l.vy, l.vz});
+    radius.push_back(l.radius);
+    id.push_back(l.ball_id);
+    exit.push_back(l.exit);
+  }
+  file.dataset("landings/time", time, 1, "s", "simulation time of the landing");
+  file.dataset("landings/place", place, 2, "m", "along the belt (in the room) and across it from its edge");
+  file.dataset("landings/velocity", velocity, 3, "m s-1", "");
+  file.dataset("landings/radius", radius, 1, "m", "");
+  file.dataset("landings/ball_id", id, 1, "1", "");
+  file.dataset("landings/exit", exit, 1, "1", "1... slot, 255 over the outlet's end");
+  return file.seal(recording_kind, recording_layout);
+}
+
+Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
+                           const Design& design, const std::string& source) {
+  const Hdf5Reader file(bytes, recording_kind, recording_layout, source);
+  std::string keys;
+  std::vector<double> values;
+  for (const auto& [key, value] : design) {
+    keys += (keys.empty() ? "" : ",") + key;
+    values.push_back(value);
+  }
+  if (file.text("design_id") != design_id || file.text("design_keys") != keys || file.doubles("design") != values)
+    throw MismatchError(fmt::format("{}: holds design {} ({}), not design {} ({})", source, file.text("design_id"),
+                                    file.text("design_keys"), design_id, keys));
+  refuse_differences(parse_study(file.text("study"), source + ": study"), study, true, source);
+  Recording r;
+  r.begin_s = file.real("begin_s");
+  r.turns = file.real("turns");
+  r.counts = read_counts(file);
+  r.inside = file.integer("inside");
+  r.lost = file.integer("lost");
+  r.feed_debt_kg = file.real("feed_debt_kg");
+  r.quality.residual = {file.real("residual_max_m_s"), file.real("residual_mean_m_s")};
+  r.quality.mean_overlap = file.real("overlap_mean");
+  r.quality.overlap_95 = file.real("overlap_95");
+  r.quality.max_overlap = file.real("overlap_max");
+  r.quality.force_balance = file.real("force_balance_m_s");
+  r.quality.num_contacts = static_cast<std::size_t>(file.integer("num_contacts"));
+  r.quality.num_rows = static_cast<std::size_t>(file.integer("num_rows"));
+  r.hash = std::stoull(file.text("state_hash"), nullptr, 16);
+  const auto time = file.doubles("landings/time"), place = file.doubles("landings/place");
+  const auto velocity = file.floats("landings/velocity"), radius = file.floats("landings/radius");
+  const auto id = file.uint32s("landings/ball_id");
+  const auto exit = file.uint8s("landings/exit");
+  for (std::size_t i = 0; i < time.size(); ++i)
+    r.landings.push_back({time[i], place[2 * i], place[2 * i + 1], velocity[3 * i], velocity[3 * i + 1],
+                          velocity[3 * i + 2], radius[i], id[i], exit[i]});
+  return r;
+}
+
+}  // namespace drumsweep

@@ -1,0 +1,41 @@
+/// Drum states and recordings as sealed HDF5 images.
+#pragma once
+
+#include <string>
+
+#include "core/scene/drum.h"
+
+namespace drumsweep {
+
+/// A stored file that belongs to another study: the key-by-key difference is in the message. Exit code 5.
+struct MismatchError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Warm (or warming) state with all that a restart needs: balls, ids, drum angle (by the step count), feeder, impulses,
+/// windows, the study. A run restarted from it is bitwise the uninterrupted one.
+std::string pack_warm_state(const Study& study, const WarmState& warm);
+
+/// @throws StoreError (damaged, foreign), MismatchError (a key of the warm-up differs from `study`)
+WarmState unpack_warm_state(const std::string& bytes, const Study& study, const std::string& source);
+
+/// A stored drum together with the study it was made with.
+struct StoredDrum {
+  Study study;
+  WarmState warm;
+};
+/// @throws StoreError
+StoredDrum unpack_drum(const std::string& bytes, const std::string& source);
+
+/// Recording of one design.
+std::string pack_recording(const Study& study, const std::string& design_id, const Design& design,
+                           const Recording& recording);
+
+/// @throws StoreError, MismatchError (another design, or a key that the recording depends on differs)
+Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
+                           const Design& design, const std::string& source);
+
+/// Differences of keys with the given scope or one that it depends on, one line each, empty when there are none.
+std::string explain_differences(const Study& stored, const Study& given, bool recording_too);
+
+}  // namespace drumsweep

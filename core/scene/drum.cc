@@ -1,0 +1,144 @@
+#include "core/scene/drum.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "core/config/schema.h"
+#include "core/geometry/random.h"
+#include "core/step/belt.h"
+#include "core/step/step_report.h"
+
+namespace drumsweep {
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace
+
+bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
+             const std::function<void(const WarmState&)>& save) {
+  const DrumModel model(study, warmup_outlet(study));
+  const WarmupConfig& config = study.warmup;
+  Workspace work;
+  while (!warm.finished) {
+    // One window; its end is counted from the empty drum, so windows do not depend on interruptions.
+    const double end = config.window_turns * static_cast<double>(warm.windows.size() + 1);
+    if (end > config.max_turns) {
+      warm.finished = true;
+      break;
+    }
+    WarmState next = warm;
+    const Counts before = next.state.counts;
+    const std::int64_t last = steps_for_turns(model, end);
+    while (next.state.num_steps < last) {
+      advance(model, next.state, work);
+      const double time = time_of(model, next.state.num_steps);
+      if (observer &&
+          !observer({"warm-up", time / model.seconds_per_turn(), config.max_turns, time, next.state.balls.size()}))
+        return false;
+    }
+    const Counts& after = next.state.counts;
+    next.windows.push_back({end, after.fed - before.fed, after.landed + after.spilled - before.landed - before.spilled,
+                            static_cast<std::int64_t>(next.state.balls.size())});
+
+    // Steady: the last `windows` of them all balance.
+    const auto balances = [&](const WarmupWindow& w) {
+      return w.fed > 0 &&
+             std::abs(static_cast<double>(w.fed - w.left)) <= config.tolerance * static_cast<double>(w.fed);
+    };
+    const auto needed = static_cast<std::ptrdiff_t>(config.windows);
+    next.steady = static_cast<std::ptrdiff_t>(next.windows.size()) >= needed &&
+                  std::all_of(next.windows.end() - needed, next.windows.end(), balances);
+    next.finished = next.steady || end + config.window_turns > config.max_turns;
+    warm = std::move(next);
+    if (save) save(warm);
+  }
+  return true;
+}
+
+Study study_of_design(const Study& study, const Design& design) {
+  Study out = study;
+  for (const auto& [key, value] : design) set_number(out, key, value);
+  validate(out);
+  return out;
+}
+
+Recording run_design(const Study& base, const DrumState& warm, const Design& design, const Observer& observer,
+                     DrumState* final_state) {
+  const double cpu_begin = cpu_seconds();
+  const Study study = study_of_design(base, design);
+  const DrumModel model(study, study.outlet);
+  DrumState state = warm;
+  adopt_outlet(model, state);
+
+  Recording out;
+  Workspace work;
+  ReportMean quality;
+  const double turns = study.record.adapt_turns + study.record.turns;
+  const std::int64_t first = state.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
+  const std::int64_t last = recorded + steps_for_turns(model, study.record.turns);
+  out.begin_s = time_of(model, recorded);
+  out.turns = study.record.turns;
+  while (state.num_steps < last && !out.stopped) {
+    const bool recording = state.num_steps >= recorded;
+    const StepReport report = advance(model, state, work, recording ? &out.landings : nullptr);
+    if (recording) quality.add(report);
+    const double done = (time_of(model, state.num_steps) - time_of(model, first)) / model.seconds_per_turn();
+    out.stopped = observer && !observer({recording ? "recording" : "adapting", done, turns,
+                                         time_of(model, state.num_steps), state.balls.size()});
+  }
+  out.counts = state.counts;
+  out.inside = static_cast<std::int64_t>(state.balls.size());
+  out.lost = state.counts.removed - warm.counts.removed;
+  out.feed_debt_kg = state.feed_debt_kg;
+  out.quality = quality.mean();
+  out.hash = state_hash(state);
+  out.cpu_s = cpu_seconds() - cpu_begin;
+  if (final_state != nullptr) *final_state = std::move(state);
+  return out;
+}
+
+DrumState filled_drum(const DrumModel& model, std::int64_t num_balls) {
+  const Study& study = model.study;
+  const double r = model.largest_radius, spacing = 2.02 * r,
+               free_radius = 0.5 * study.drum.diameter_m - model.wall.highest_bump - 1.01 * r;
+  const Eigen::Vector3d origin(0, study.belt.outlet_begin_m, 0), along = model.tilt.col(2), up = -model.tilt.col(1);
+
+  // Layers of a square lattice from the bottom up; each layer is a rectangle across and along.
+  DrumState state;
+  const auto num_along = static_cast<std::int64_t>((study.drum.length_m - 3 * r) / spacing);
+  for (double height = -free_radius; height < -r && state.counts.fed < num_balls; height += spacing) {
+    const double half_width = std::sqrt(std::max(0.0, free_radius * free_radius - height * height));
+    const auto num_across = static_cast<std::int64_t>(2 * half_width / spacing);
+    for (std::int64_t i = 0; i < num_along * num_across && state.counts.fed < num_balls; ++i) {
+      const double s = -study.drum.length_m + 1.5 * r + spacing * static_cast<double>(i / num_across);
+      const double x = (static_cast<double>(i % num_across) - 0.5 * static_cast<double>(num_across - 1)) * spacing;
+      // Moved a little, within the slack of the lattice, so that rows do not stand on each other.
+      const auto shake = uniform4(study.seed, Purpose::fill, static_cast<std::uint64_t>(state.counts.fed));
+      const Eigen::Vector3d at = origin + along * (s + 0.02 * r * (shake[0] - 0.5)) + up * height +
+                                 Eigen::Vector3d(x + 0.02 * r * (shake[1] - 0.5), 0, 0);
+      state.balls.add(at, r, static_cast<std::uint32_t>(state.counts.fed++));
+    }
+  }
+  if (state.counts.fed < num_balls)
+    throw InputError(fmt::format("{} balls do not fit below the axis of the drum; {} do", num_balls, state.counts.fed));
+  return state;
+}
+
+double kinetic_energy(const DrumModel& model, const DrumState& state) {
+  double sum = 0;
+  const Balls& balls = state.balls;
+  for (std::size_t i = 0; i < balls.size(); ++i)
+    sum += 0.5 / model.inverse_mass(balls.radius[i]) *
+           (balls.velocity[i].squaredNorm() + 0.4 * balls.radius[i] * balls.radius[i] * balls.spin[i].squaredNorm());
+  return sum;
+}
+
+}  // namespace drumsweep

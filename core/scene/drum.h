@@ -1,0 +1,79 @@
+/// The drum: warm-up to a steady state, and the run of one outlet design that starts from it.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/step/stepper.h"
+
+namespace drumsweep {
+
+/// What a run tells whoever watches it, after every outer step.
+struct Progress {
+  const char* what;      ///< "warm-up", "adapting", "recording"
+  double turns;          ///< done
+  double turns_planned;  ///< warm-up: at most
+  double time_s;         ///< simulated, since the empty drum
+  std::size_t balls;     ///< inside
+};
+
+/// Called after every outer step; return false to stop the run there.
+using Observer = std::function<bool(const Progress&)>;
+
+/// Inflow and outflow over one window of whole turns.
+struct WarmupWindow {
+  double turns_end;
+  std::int64_t fed, left;  ///< balls; left: landed or spilled
+  std::int64_t inside;     ///< at the window's end
+};
+
+struct WarmState {
+  DrumState state;
+  std::vector<WarmupWindow> windows;
+  bool finished = false;  ///< the warm-up has ended: steady, or at its cap
+  bool steady = false;    ///< inflow = outflow within the tolerance in the last windows
+};
+
+/// Feeds an empty drum (or goes on from `warm`) until inflow and outflow agree over the study's windows, or the cap.
+/// @param save  called after every window: the state to keep for a restart; may be empty
+/// @return false when the observer stopped it; `warm` is then as at the last window and the steps since are lost
+bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
+             const std::function<void(const WarmState&)>& save);
+
+/// One design: values for keys of the study.
+using Design = std::vector<std::pair<std::string, double>>;
+
+/// What a design's simulation leaves behind; all that the objective and the table need.
+struct Recording {
+  std::vector<Landing> landings;  ///< of the recorded turns
+  double begin_s = 0;             ///< simulation time at which recording began
+  double turns = 0;
+  Counts counts;            ///< since the empty drum
+  std::int64_t inside = 0;  ///< balls at the end
+  std::int64_t lost = 0;    ///< in this run
+  double feed_debt_kg = 0;  ///< due but not placed at the end; grows when the feed zone is blocked
+  StepReport quality;       ///< means over the recorded steps (see ReportMean)
+  std::uint64_t hash = 0;   ///< of the final state
+  double cpu_s = 0;
+  bool stopped = false;  ///< by the observer; the rest is then incomplete
+};
+
+/// The study with a design's values put in. @throws InputError
+Study study_of_design(const Study& study, const Design& design);
+
+/// Runs one design: the warm state with its outlet replaced, adaptation, recording of whole turns.
+/// @param final_state  out, may be null: the state at the end
+Recording run_design(const Study& study, const DrumState& warm, const Design& design, const Observer& observer,
+                     DrumState* final_state = nullptr);
+
+/// A drum with `num_balls` laid in layers into the lower part of it, at rest and without overlap: the quick way to a
+/// typical load, for benchmarks. A few turns make it flow steadily.
+/// @throws InputError when they do not fit below the axis
+DrumState filled_drum(const DrumModel& model, std::int64_t num_balls);
+
+/// Kinetic energy of all balls, rotation included [J].
+double kinetic_energy(const DrumModel& model, const DrumState& state);
+
+}  // namespace drumsweep

@@ -1,0 +1,41 @@
+/// The contact problem of one time step as plain data: what the solver reads, what it changes.
+///
+/// Bodies are spheres, or pieces of wall with inverse mass 0. With S = radius * angular velocity a sphere's contact
+/// needs neither radius nor arm: u = v_a - v_b + n x (S_a + S_b), an impulse p on a changes v_a by p/m_a and S_a by
+/// -(5/2)/m_a n x p.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace drumsweep {
+
+/// Four floats in one register; three of space and one passenger.
+using Float4 = float __attribute__((vector_size(16)));
+
+struct BodyVelocity {
+  Float4 linear;   ///< v [m/s], and in the fourth lane the inverse mass [1/kg]
+  Float4 surface;  ///< S = R omega [m/s], fourth lane 0
+};
+
+/// One contact, 48 bytes. Row: n.u + regularization * lambda_n = bias, lambda_n >= 0; u_t = 0 within |lambda_t| <=
+/// friction lambda_n.
+struct ContactRow {
+  Float4 normal;          ///< n from b to a; fourth lane: bias [m/s]
+  float regularization;   ///< Sigma [1/kg]
+  float inverse_normal;   ///< 1 / (1/m_a + 1/m_b + Sigma) [kg]
+  float inverse_tangent;  ///< 1 / (7/2 (1/m_a + 1/m_b)) [kg]
+  float friction;
+  std::uint32_t a, b;  ///< bodies
+  std::uint32_t spare[2];
+};
+
+struct ContactProblem {
+  std::vector<ContactRow> rows;
+};
+
+/// Impulse on body a (minus that on b): tangential part in three lanes, normal part in the fourth [N s].
+using Impulse = Float4;
+
+}  // namespace drumsweep

@@ -1,0 +1,63 @@
+#include "sweep/design_run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <new>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/io/durable_file.h"
+
+namespace drumsweep {
+
+double process_cpu_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
+                                 std::size_t index, const std::string& host, const Observer& observer) {
+  const PlannedDesign& design = plan.designs.at(index);
+  const auto begin = std::chrono::steady_clock::now();
+  const double cpu_begin = process_cpu_seconds();
+  DesignOutcome outcome{index, DesignOutcome::Kind::done, 0, 0, host, ""};
+  try {
+    const Recording recording = run_design(study, warm, design.values, observer);
+    if (recording.stopped)
+      outcome.kind = DesignOutcome::Kind::stopped;
+    else
+      write_recording(paths, study, design, recording);
+  } catch (const WriteError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    outcome.kind = DesignOutcome::Kind::failed;
+    outcome.reason = error.what();
+    write_failure(paths, design, outcome.reason);
+  }
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  outcome.cpu_s = process_cpu_seconds() - cpu_begin;
+  return outcome;
+}
+
+std::string pack_outcome(const DesignOutcome& o) {
+  return fmt::format("{} {} {} {} {}\n{}", o.index, static_cast<int>(o.kind), o.wall_s, o.cpu_s, o.host, o.reason);
+}
+
+DesignOutcome unpack_outcome(const std::string& text) {
+  DesignOutcome o;
+  int kind = 0;
+  std::istringstream stream(text);
+  if (!(stream >> o.index >> kind >> o.wall_s >> o.cpu_s >> o.host) || kind < 0 || kind > 2)
+    throw std::runtime_error("message with an outcome that cannot be read: " + text);
+  o.kind = static_cast<DesignOutcome::Kind>(kind);
+  const std::size_t line = text.find('\n');
+  if (line != std::string::npos) o.reason = text.substr(line + 1);
+  return o;
+}
+
+}  // namespace drumsweep

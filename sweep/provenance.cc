@@ -1,0 +1,105 @@
+#include "sweep/provenance.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+
+#include "core/io/durable_file.h"
+
+namespace drumsweep {
+namespace {
+
+constexpr std::string_view header = "time_utc,event,design_id,attempt,rank,host,wall_s,cpu_s,program_version\n";
+
+/// Appends in one write, so that lines of a crash are torn at most at their end.
+void append_durably(const std::string& path, std::string_view text) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const char* action = "open";
+  bool ok = file >= 0;
+  if (ok) {
+    action = "write";
+    errno = ENOSPC;  // what a short write means
+    ok = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  }
+  if (ok) {
+    action = "fdatasync";
+    ok = ::fdatasync(file) == 0;
+  }
+  const int error = errno;
+  if (file >= 0) ::close(file);
+  if (!ok) throw WriteError(fmt::format("{}: {} failed: {}", path, action, std::strerror(error)));
+}
+
+template <class Number>
+bool parse(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+bool parse_line(std::string_view text, ProvenanceLine& line) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0;;) {
+    const std::size_t comma = text.find(',', begin);
+    cells.push_back(text.substr(begin, comma - begin));
+    if (comma == std::string_view::npos) break;
+    begin = comma + 1;
+  }
+  if (cells.size() != 9) return false;
+  line.time_utc = cells[0];
+  line.event = cells[1];
+  line.design_id = cells[2];
+  line.host = cells[5];
+  line.program_version = cells[8];
+  return parse(cells[3], line.attempt) && parse(cells[4], line.rank) && parse(cells[6], line.wall_s) &&
+         parse(cells[7], line.cpu_s);
+}
+
+std::string whole_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+std::vector<ProvenanceLine> read_provenance(const std::string& path) {
+  const std::string text = whole_text(path);
+  std::vector<ProvenanceLine> lines;
+  for (std::size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    ProvenanceLine line;
+    if (parse_line(std::string_view(text).substr(begin, end - begin), line)) lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+Provenance::Provenance(std::string path) : path_(std::move(path)), lines_(read_provenance(path_)) {
+  const std::string text = whole_text(path_);
+  if (text.empty()) append_durably(path_, header);
+  if (!text.empty() && text.back() != '\n') append_durably(path_, "\n");
+}
+
+void Provenance::add(ProvenanceLine line) {
+  line.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  line.program_version = DRUMSWEEP_VERSION;
+  append_durably(path_, fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{}\n", line.time_utc, line.event, line.design_id,
+                                    line.attempt, line.rank, line.host, line.wall_s, line.cpu_s, line.program_version));
+  lines_.push_back(std::move(line));
+}
+
+int Provenance::attempts(const std::string& design_id) const {
+  return static_cast<int>(std::count_if(lines_.begin(), lines_.end(), [&](const ProvenanceLine& line) {
+    return line.design_id == design_id && line.event == "started";
+  }));
+}
+
+}  // namespace drumsweep

@@ -1,0 +1,52 @@
+/// One design of a study by itself: warm-up or a stored warm drum, run, observables.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/drum.h"
+#include "sweep/designs.h"
+#include "sweep/progress.h"
+
+namespace drumsweep {
+
+/// A number that can be compared with a measurement.
+struct Observable {
+  std::string name;
+  double position;  ///< across the belt [m], NaN for a number without a place
+  double value;
+  double sigma;  ///< standard error, NaN where it is not estimated
+  std::string unit;
+};
+
+struct SingleDesign {
+  PlannedDesign design;
+  bool stopped = false;  ///< by a signal; nothing below is filled in then
+  bool steady = false;   ///< the warm drum was
+  Recording recording;
+  std::vector<Observable> observables;
+  std::string recording_path, observables_path;
+  double cpu_s = 0;  ///< of warm-up (if there was one) and design
+};
+
+/// The keys that a list of values on the command line stands for: those of the stages, or without stages the outlet's
+/// angle (in the unit that the study gives) and its base width.
+std::vector<std::string> keys_of_values(const Study& study);
+
+/// The design with these values. @throws InputError for another number of values or an impossible geometry
+PlannedDesign design_at(const Study& study, const std::vector<double>& values);
+
+/// f in both windows, height of the bed across the belt, shares of the outflow, holdup, lost balls. Standard errors: of f
+/// and heights from blocks of one slot's passage (postproc/objective.h), of shares from whole turns; none from one turn.
+std::vector<Observable> observables(const Study& study, const PlannedDesign& design, const Recording& recording);
+
+/// "name,position_m,value,sigma,unit".
+std::string observables_csv(const std::vector<Observable>& list);
+
+/// Runs it in a folder of its own: FOLDER/warm_state.h5 is used where it fits and made where it is not, FOLDER/ID.h5
+/// and FOLDER/ID_observables.csv are written. @throws InputError, MismatchError, LockHeldError, WriteError
+SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,
+                               Reporter& reporter);
+
+}  // namespace drumsweep

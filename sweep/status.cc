@@ -1,0 +1,110 @@
+#include "sweep/status.h"
+
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "sweep/designs.h"
+#include "sweep/output_lock.h"
+#include "sweep/provenance.h"
+#include "sweep/results.h"
+#include "sweep/store.h"
+
+namespace drumsweep {
+namespace {
+
+/// What the lock file of a run that is going on says: "phase ..." and "running ID ID".
+std::set<std::string> running_designs(const std::string& lock_text, SweepStatus& status) {
+  std::set<std::string> ids;
+  std::istringstream lines(lock_text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "phase") status.phase = line.substr(std::min(line.size(), word.size() + 1));
+    if (word == "running")
+      while (words >> word) ids.insert(word);
+  }
+  return ids;
+}
+
+std::map<std::string, ResultRow> rows_of_table(const OutputPaths& paths) {
+  std::map<std::string, ResultRow> rows;
+  std::error_code error;
+  if (!std::filesystem::exists(paths.results(), error)) return rows;
+  for (ResultRow& row : read_results_csv(paths.results()).rows) rows.emplace(row.design_id, std::move(row));
+  return rows;
+}
+
+}  // namespace
+
+SweepStatus read_status(const std::string& folder) {
+  const OutputPaths paths{folder};
+  const Study study = read_frozen_study(folder);
+  const Plan plan = plan_designs(study);
+  SweepStatus status;
+  status.total = plan.designs.size();
+  status.variable_names = plan.columns;
+
+  std::set<std::string> running;
+  if (const auto text = read_held_lock(paths.lock())) {
+    status.active = true;
+    running = running_designs(*text, status);
+  }
+
+  // The last word on each design.
+  std::map<std::string, std::string> last_event;
+  for (const ProvenanceLine& line : read_provenance(paths.provenance())) {
+    status.cpu_s += line.cpu_s;
+    if (!line.design_id.empty()) last_event[line.design_id] = line.event;
+  }
+
+  // A design has a result when its file is there; the table may be some seconds behind.
+  const std::map<std::string, ResultRow> table = rows_of_table(paths);
+  std::optional<bool> steady;
+  std::vector<ResultRow> rows;
+  for (const PlannedDesign& design : plan.designs) {
+    std::optional<ResultRow> row;
+    if (!design.impossible.empty()) {
+      row = failed_row(design, design.impossible);
+    } else if (has_recording(paths, design.id) || has_failure(paths, design.id)) {
+      if (const auto found = table.find(design.id); found != table.end()) {
+        row = found->second;
+      } else {
+        try {
+          const StoredDesign stored = read_design(paths, study, design);
+          if (!steady) steady = read_warm_state(paths.warm_state(), study).value_or(WarmState{}).steady;
+          if (stored.recording) row = evaluated_row(study, design, *stored.recording, *steady);
+          if (stored.failure) row = failed_row(design, *stored.failure);
+        } catch (const std::exception&) {
+          // Damaged: the next run sets it aside and simulates the design again.
+        }
+      }
+    }
+    if (row) {
+      (row->state == "done"        ? status.state.done
+       : row->state == "untrusted" ? status.state.untrusted
+                                   : status.state.failed)++;
+      rows.push_back(std::move(*row));
+    } else if (running.count(design.id) > 0) {
+      ++status.state.running;
+    } else {
+      const auto event = last_event.find(design.id);
+      const bool begun = event != last_event.end();
+      // While a run is on, "started" without an end is the moment before the lock file says so.
+      std::size_t& counter = !begun                       ? status.state.pending
+                             : event->second == "stopped" ? status.state.stopped
+                             : event->second != "started" ? status.state.pending
+                             : status.active              ? status.state.running
+                                                          : status.state.lost;
+      ++counter;
+    }
+  }
+  status.finished = rows.size() == plan.designs.size();
+  if (const auto best = best_row(rows)) status.best = rows[*best];
+  return status;
+}
+
+}  // namespace drumsweep

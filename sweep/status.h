@@ -1,0 +1,38 @@
+/// How a sweep stands, read from its folder alone: works while a run is going on, takes no lock, writes nothing.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "postproc/result_table.h"
+
+namespace drumsweep {
+
+/// Designs by state; each counts once.
+struct StateCounts {
+  std::size_t pending = 0;  ///< never begun
+  std::size_t running = 0;  ///< on a rank now
+  std::size_t done = 0;
+  std::size_t untrusted = 0;  ///< has a result that should not be believed, see results.h
+  std::size_t failed = 0;
+  std::size_t lost = 0;     ///< begun, and its process died; will be begun again
+  std::size_t stopped = 0;  ///< begun, and stopped in good order; will be begun again
+};
+
+struct SweepStatus {
+  StateCounts state;
+  std::size_t total = 0;
+  bool active = false;    ///< a run holds the folder now
+  std::string phase;      ///< what rank 0 of that run is at
+  bool finished = false;  ///< every design has a result or has failed
+  double cpu_s = 0;       ///< of all attempts so far, the warm-up included
+  std::vector<std::string> variable_names;
+  std::optional<ResultRow> best;
+};
+
+/// @throws InputError when the folder is not a sweep's, MismatchError when it is of another version
+SweepStatus read_status(const std::string& folder);
+
+}  // namespace drumsweep

@@ -1,0 +1,45 @@
+#include "sweep/stop.h"
+
+#include <csignal>
+
+namespace drumsweep {
+namespace {
+
+// A signal handler can reach nothing but a global; this is the only one in the program.
+volatile std::sig_atomic_t received = 0;
+
+extern "C" void note_signal(int number) { received = number; }
+
+}  // namespace
+
+void install_stop_signals() {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGUSR2}) {
+    struct sigaction before {};
+    ::sigaction(number, nullptr, &before);
+    if (before.sa_handler == SIG_IGN) continue;
+    struct sigaction action {};
+    action.sa_handler = note_signal;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    ::sigaction(number, &action, nullptr);
+  }
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+bool stop_requested() { return received != 0; }
+
+std::string stop_signal() {
+  switch (received) {
+    case 0:
+      return "";
+    case SIGINT:
+      return "SIGINT";
+    case SIGTERM:
+      return "SIGTERM";
+    case SIGHUP:
+      return "SIGHUP";
+    default:
+      return "SIGUSR2";
+  }
+}
+
+}  // namespace drumsweep

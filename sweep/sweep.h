@@ -1,0 +1,39 @@
+/// A sweep from study to table: warm-up, all designs on all ranks, results.csv. Run again, it goes on where it stopped.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "postproc/result_table.h"
+#include "sweep/farm.h"
+
+namespace drumsweep {
+
+struct SweepOptions {
+  std::string study_path;
+  std::string output;  ///< empty: the study file's stem + "_result" in the current folder
+};
+
+struct SweepOutcome {
+  bool finished = false;   ///< every design has a result or has failed
+  std::string stop_cause;  ///< signal or error that stopped it early
+  std::size_t failed = 0;
+  std::string output;  ///< the folder
+  ResultTable table;
+};
+
+/// The whole job as rank 0 sees it. Rank 0 hands out one design at a time and simulates too: it answers the others
+/// between its own steps, through the observer of run_design(), so R ranks run R designs.
+///
+/// A design is called done when its recording is in the folder, durably. The table is then a function of the folder.
+/// A design whose simulation throws is failed and stays so; an error in writing stops the whole job, keeping what is
+/// there; so does a signal (stop.h), within a step. All other ranks have left when this returns or throws.
+/// @throws InputError, MismatchError, LockHeldError, WriteError
+SweepOutcome run_sweep(Farm& farm, const SweepOptions& options);
+
+/// The job of every other rank: simulates what it is given until it is told to stop.
+void serve_sweep(Farm& farm);
+
+}  // namespace drumsweep

@@ -1,0 +1,80 @@
+#include "core/contact/pair_search.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "core/geometry/random.h"
+
+namespace drumsweep {
+namespace {
+
+DrumState cloud(std::uint32_t num, double size) {
+  DrumState state;
+  for (std::uint32_t i = 0; i < num; ++i) {
+    const auto r = uniform4(3, Purpose::fill, i), v = uniform4(3, Purpose::fill, i, 1);
+    state.balls.add(Eigen::Vector3d(r[0] - 0.5, r[1] - 0.5, r[2] - 0.5) * size, 0.004 + 0.001 * r[3], i);
+    state.balls.velocity.back() = Eigen::Vector3d(v[0] - 0.5, v[1] - 0.5, v[2] - 0.5);
+  }
+  return state;
+}
+
+using IdPair = std::pair<std::uint32_t, std::uint32_t>;
+
+std::set<IdPair> ids(const DrumState& state) {
+  std::set<IdPair> out;
+  for (const PairImpulse& p : state.pairs) {
+    const auto [low, high] = std::minmax(state.balls.id[p.a], state.balls.id[p.b]);
+    EXPECT_TRUE(out.insert({low, high}).second) << "listed twice";
+  }
+  return out;
+}
+
+TEST(PairSearch, lists_exactly_the_pairs_that_brute_force_finds) {
+  const PairSearch search{0.016, 0.001, 0.002, 0.1};
+  DrumState state = cloud(1500, 0.12);
+  std::set<IdPair> expected;
+  const Balls& b = state.balls;
+  for (std::uint32_t i = 0; i < b.size(); ++i)
+    for (std::uint32_t j = i + 1; j < b.size(); ++j) {
+      const double distance = (b.position[i] - b.position[j]).norm();
+      const double reach = b.radius[i] + b.radius[j] + search.margin +
+                           (search.extra_speed + (b.velocity[i] - b.velocity[j]).norm()) * search.horizon;
+      if (distance <= std::min(reach, search.cell_size)) expected.insert({b.id[i], b.id[j]});
+    }
+  PairSearchScratch scratch;
+  sort_and_find_pairs(search, state, scratch);
+  EXPECT_EQ(ids(state), expected);
+  EXPECT_GT(expected.size(), 1000u);
+}
+
+TEST(PairSearch, impulses_follow_their_balls_through_sorting_and_removal) {
+  const PairSearch search{0.016, 0.001, 0.002, 0.1};
+  DrumState state = cloud(400, 0.07);
+  PairSearchScratch scratch;
+  sort_and_find_pairs(search, state, scratch);
+
+  // Mark each pair's impulse by its ids, with the sign of the lower id.
+  const auto mark = [](std::uint32_t low, std::uint32_t high) { return static_cast<float>(low * 1000 + high + 1); };
+  for (PairImpulse& p : state.pairs) {
+    const std::uint32_t a = state.balls.id[p.a], b = state.balls.id[p.b];
+    p.normal = mark(std::min(a, b), std::max(a, b));
+    p.tangent[0] = a < b ? p.normal : -p.normal;
+  }
+  // Turn the cloud around so that the order of cells, and of many pairs, is reversed; drop some.
+  for (Eigen::Vector3d& x : state.balls.position) x = -x;
+  std::vector<char> gone(state.balls.size(), 0);
+  for (std::size_t i = 0; i < gone.size(); i += 7) gone[i] = 1;
+  drop_gone(state, gone);
+  sort_and_find_pairs(search, state, scratch);
+  ASSERT_GT(state.pairs.size(), 100u);
+  for (const PairImpulse& p : state.pairs) {
+    const std::uint32_t a = state.balls.id[p.a], b = state.balls.id[p.b];
+    EXPECT_EQ(p.normal, mark(std::min(a, b), std::max(a, b)));
+    EXPECT_EQ(p.tangent[0], a < b ? p.normal : -p.normal);
+  }
+}
+
+}  // namespace
+}  // namespace drumsweep
