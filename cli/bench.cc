@@ -89,9 +89,9 @@ int bench(const Options& options) {
 void add_bench(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("bench", "Measure this machine's speed on the steady lab drum, per phase.");
-  command->add_option("--balls", options->bench.balls, "balls inside, by the drum's length at equal load")
+  command->add_option("--balls", options->bench.balls, "balls inside, about; set by the drum's length at equal load")
       ->capture_default_str()
-      ->check(CLI::Range(1000, 100000000));
+      ->check(CLI::Range(1, 100000000));
   command->add_option("--threads", options->threads, "threads for the one drum")->capture_default_str();
   command->add_option("--steps", options->bench.steps, "outer steps that are timed")
       ->capture_default_str()

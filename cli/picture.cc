@@ -37,7 +37,7 @@ void add_picture(CLI::App& app, int&) {
   command->add_option("-o,--output", options->file, "FILE.png")->required();
   command
       ->add_option("--colour", options->picture.colour,
-                   "speed: 0 to twice the wall's; axial: place along the axis; slot: way out")
+                   "speed: 0 to 1.5 times the wall's; axial: place along the axis; slot: way out")
       ->check(CLI::IsMember({"speed", "axial", "slot"}))
       ->capture_default_str();
   command->add_option("--width", options->picture.width, "pixels")

@@ -40,7 +40,7 @@ double measure(const DrumModel& model, const DrumState& state, std::size_t i, co
     const double s = model.tilt.col(2).dot(state.balls.position[i] - model.pose(0).origin);
     return (s + model.study.drum.length_m) / (model.study.drum.length_m + model.study.outlet.length_m);
   }
-  return state.balls.velocity[i].norm() / (2 * model.wall.outlet.radius * model.study.drum.angular_velocity_rad_s);
+  return state.balls.velocity[i].norm() / (1.5 * model.wall.outlet.radius * model.study.drum.angular_velocity_rad_s);
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ std::string pov_scene(const DrumModel& model, const DrumState& state, const Pict
   // From the side where the bed is low, beyond the outlet, a little above.
   const Eigen::Vector3d axis = model.tilt.col(2);
   const Eigen::Vector3d middle =
-      pose.origin + axis * (model.study.outlet.length_m - 0.5 * length) - Eigen::Vector3d(0, 0, 0.15 * r);
-  const double away = 1.15 * std::max(length, 3.2 * r);
+      pose.origin + axis * (model.study.outlet.length_m - 0.5 * length) - Eigen::Vector3d(0, 0, 0.3 * r);
+  const double away = 1.55 * std::max(length, 3.2 * r);
   const Eigen::Vector3d camera = middle + away * Eigen::Vector3d(0.88, 0.62, 0.42);
 
   // POV-Ray is left-handed; with z up and "right" negated our right-handed axes appear as they are.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/state/arrays.h"
+
 namespace drumsweep {
 namespace {
 
@@ -105,7 +107,7 @@ void sort_and_find_pairs(const PairSearch& search, DrumState& state, PairSearchS
         PairImpulse pair{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), {0, 0, 0}, 0};
         for (std::uint32_t o = scratch.old_begin[i]; o < scratch.old_begin[i + 1]; ++o)
           if (scratch.old[o].b == pair.b) pair = scratch.old[o];
-        state.pairs.push_back(pair);
+        append(state.pairs, pair);
       }
     };
     const auto run = [&](std::int64_t from, std::int64_t to) {

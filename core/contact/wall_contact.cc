@@ -18,10 +18,9 @@ struct Candidate {
 };
 
 bool on_border(const TriangleMesh& mesh, const Candidate& c) {
-  const auto triangle = static_cast<std::size_t>(c.triangle), feature = static_cast<std::size_t>(c.feature);
-  if (c.feature == Feature::face) return false;
-  if (c.feature <= Feature::edge2) return mesh.neighbours[triangle][feature - 1] < 0;
-  return mesh.on_border[static_cast<std::size_t>(mesh.triangles[triangle][feature - 4])] != 0;
+  // Features count edges from 1 and vertices from 4, the bits both from 0.
+  return c.feature != Feature::face &&
+         (mesh.border[static_cast<std::size_t>(c.triangle)] >> (static_cast<int>(c.feature) - 1) & 1) != 0;
 }
 
 }  // namespace
@@ -62,12 +61,13 @@ void wall_contacts(const TriangleMesh& mesh, std::span<const std::int32_t> candi
     const auto& corners = mesh.triangles[static_cast<std::size_t>(c.triangle)];
     const auto shares = [&](const Candidate& other) {
       if (c.feature == Feature::face || other.triangle == c.triangle) return false;
-      if (c.feature <= Feature::edge2)
-        return mesh.neighbours[static_cast<std::size_t>(c.triangle)][static_cast<std::size_t>(c.feature) - 1] ==
-               other.triangle;
-      const std::int32_t vertex = corners[static_cast<std::size_t>(c.feature) - 4];
       const auto& theirs = mesh.triangles[static_cast<std::size_t>(other.triangle)];
-      return theirs[0] == vertex || theirs[1] == vertex || theirs[2] == vertex;
+      const auto has = [&](std::size_t k) {
+        const std::int32_t vertex = corners[k % 3];
+        return theirs[0] == vertex || theirs[1] == vertex || theirs[2] == vertex;
+      };
+      const auto k = static_cast<std::size_t>(c.feature);
+      return c.feature <= Feature::edge2 ? has(k - 1) && has(k) : has(k - 4);
     };
     const bool held_by_neighbour = std::any_of(
         found.begin(), found.end(), [&](const Candidate& o) { return o.squared < c.squared * nearer && shares(o); });

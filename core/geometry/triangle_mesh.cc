@@ -25,7 +25,7 @@ void TriangleMesh::connect() {
   std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) {
     return std::tie(l.low, l.high, l.triangle) < std::tie(r.low, r.high, r.triangle);
   });
-  neighbours.assign(triangles.size(), {-1, -1, -1});
+  border.assign(triangles.size(), 0b111);
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     const Edge &e = edges[i], &f = edges[i + 1];
     if (e.low != f.low || e.high != f.high) continue;
@@ -33,15 +33,23 @@ void TriangleMesh::connect() {
     if (third || e.forward == f.forward)
       throw std::logic_error(
           fmt::format("mesh edge {}-{}: {}", e.low, e.high, third ? "three triangles" : "triangles wound differently"));
-    neighbours[static_cast<std::size_t>(e.triangle)][static_cast<std::size_t>(e.side)] = f.triangle;
-    neighbours[static_cast<std::size_t>(f.triangle)][static_cast<std::size_t>(f.side)] = e.triangle;
+    for (const Edge& shared : {e, f})
+      border[static_cast<std::size_t>(shared.triangle)] &= static_cast<std::uint8_t>(~(1 << shared.side));
     ++i;
   }
-  on_border.assign(vertices.size(), 0);
+
+  // Vertices at the ends of border edges, then told to every triangle that has them.
+  std::vector<char> at_border(vertices.size(), 0);
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t e = 0; e < 3; ++e)
-      if (neighbours[t][e] < 0)
-        for (const std::size_t end : {e, (e + 1) % 3}) on_border[static_cast<std::size_t>(triangles[t][end])] = 1;
+      if ((border[t] >> e & 1) != 0)
+        for (const std::size_t end : {e, (e + 1) % 3}) at_border[static_cast<std::size_t>(triangles[t][end])] = 1;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (at_border[static_cast<std::size_t>(triangles[t][k])] != 0)
+        border[t] = static_cast<std::uint8_t>(border[t] | (8 << k));
+  vertices.shrink_to_fit();
+  triangles.shrink_to_fit();
 }
 
 ClosestPoint closest_point(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,

@@ -9,14 +9,13 @@
 namespace drumsweep {
 
 struct TriangleMesh {
-  std::vector<Eigen::Vector3d> vertices;                ///< [m]
-  std::vector<std::array<std::int32_t, 3>> triangles;   ///< counter-clockwise seen from the side that balls touch
-  std::vector<std::array<std::int32_t, 3>> neighbours;  ///< across edge (v_i, v_i+1); -1 at a border
+  std::vector<Eigen::Vector3d> vertices;               ///< [m]
+  std::vector<std::array<std::int32_t, 3>> triangles;  ///< counter-clockwise seen from the side that balls touch
+  std::vector<std::uint8_t> border;                    ///< (triangles) bit e: no neighbour across edge (v_e, v_e+1);
+                                                       ///< bit 3 + k: vertex k ends a border edge of some triangle
 
-  std::vector<char> on_border;  ///< (vertices) ends a border edge
-
-  /// Fills `neighbours` and `on_border`. @throws std::logic_error where three triangles share an edge or two disagree about its
-  /// direction.
+  /// Fills `border` and gives back spare memory.
+  /// @throws std::logic_error where three triangles share an edge or two disagree about its direction
   void connect();
 };
 

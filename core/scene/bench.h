@@ -7,9 +7,9 @@
 namespace drumsweep {
 
 struct BenchOptions {
-  std::int64_t balls = 31000;  ///< the full lab drum holds about this many when it is steady
+  std::int64_t balls = 34500;  ///< about; the full lab drum holds this many when it is steady
   std::int64_t steps = 200;    ///< outer steps that are timed
-  double settle_turns = 1.5;   ///< before
+  double settle_turns = 2.5;   ///< before
 };
 
 struct BenchResult {

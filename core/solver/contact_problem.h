@@ -28,7 +28,8 @@ struct ContactRow {
   float inverse_tangent;  ///< 1 / (7/2 (1/m_a + 1/m_b)) [kg]
   float friction;
   std::uint32_t a, b;  ///< bodies
-  std::uint32_t spare[2];
+  float overlap;       ///< > 0 pressed, < 0 open [m]; the solver does not look at it
+  std::uint32_t spare;
 };
 
 struct ContactProblem {

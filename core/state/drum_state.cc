@@ -15,8 +15,9 @@ std::uint64_t mix(std::uint64_t x) {
 
 template <class T>
 void pick(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> sorted(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = values[order[i]];
+  std::vector<T> sorted;
+  sorted.reserve(order.size() + order.size() / 16 + 64);  // room for what the next steps feed
+  for (const std::uint32_t i : order) sorted.push_back(values[i]);
   values.swap(sorted);
 }
 

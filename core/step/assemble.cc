@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/state/arrays.h"
+
 namespace drumsweep {
 namespace {
 
@@ -14,8 +16,8 @@ Float4 float4(const Eigen::Vector3d& v, double fourth) {
                 static_cast<float>(fourth)};
 }
 
-ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double inverse_mass, double friction,
-                    std::size_t a, std::size_t b) {
+ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double overlap, double inverse_mass,
+                    double friction, std::size_t a, std::size_t b) {
   return {float4(normal, row.bias),
           static_cast<float>(row.regularization),
           static_cast<float>(1 / (inverse_mass + row.regularization)),
@@ -23,7 +25,8 @@ ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double 
           static_cast<float>(friction),
           static_cast<std::uint32_t>(a),
           static_cast<std::uint32_t>(b),
-          {0, 0}};
+          static_cast<float>(overlap),
+          0};
 }
 
 /// Impulse turned into the tangent plane of the new normal.
@@ -52,7 +55,7 @@ void find_wall_candidates(const DrumModel& model, const Balls& balls, const Pose
       const Eigen::Vector4f& sphere = model.bounds[static_cast<std::size_t>(t)];
       const Eigen::Vector3f away = sphere.head<3>() - p;
       const float along = std::clamp(away.dot(d) * per_length, 0.0f, 1.0f), within = sphere[3] + reach;
-      if ((away - along * d).squaredNorm() <= within * within) out.triangles.push_back(t);
+      if ((away - along * d).squaredNorm() <= within * within) append(out.triangles, t);
     };
     if (model.grid.cell_of(from) == model.grid.cell_of(to)) {
       for (const std::int32_t t : model.grid.near(from)) keep_if_near(t);
@@ -62,7 +65,7 @@ void find_wall_candidates(const DrumModel& model, const Balls& balls, const Pose
       out.triangles.erase(std::unique(out.triangles.begin() + begin, out.triangles.end()), out.triangles.end());
     }
     const auto end = static_cast<std::uint32_t>(out.triangles.size());
-    if (end > begin) out.balls.push_back({static_cast<std::uint32_t>(i), begin, end});
+    if (end > begin) append(out.balls, {static_cast<std::uint32_t>(i), begin, end});
   }
 }
 
@@ -73,9 +76,9 @@ void assemble_rows(const DrumModel& model, const DrumState& state, const WallCan
   const bool warm = model.study.solver.warm_start;
   out.problem.rows.clear();
   out.impulse.clear();
-  out.overlap.clear();
   out.pair_of.clear();
   out.walls.clear();
+  out.velocity.clear();
   out.velocity.resize(balls.size());
 
   // A row is needed where the pair presses, is within the margin, or would close its gap within the step.
@@ -95,14 +98,13 @@ void assemble_rows(const DrumModel& model, const DrumState& state, const WallCan
     const double separating = normal.dot(closing), gap = distance - touching;
     if (!needs_row(gap, separating)) continue;
     const double inverse_mass = model.inverse_mass(balls.radius[pair.a]) + model.inverse_mass(balls.radius[pair.b]);
-    out.problem.rows.push_back(
-        make_row(normal, normal_row(model.law, -gap, separating, h), inverse_mass, friction, pair.a, pair.b));
-    out.overlap.push_back(static_cast<float>(-gap));
-    out.pair_of.push_back(static_cast<std::uint32_t>(k));
-    out.impulse.push_back(
-        warm && pair.normal > 0
-            ? flattened(Eigen::Vector3d(pair.tangent[0], pair.tangent[1], pair.tangent[2]), pair.normal, normal)
-            : Impulse{});
+    append(out.problem.rows,
+           make_row(normal, normal_row(model.law, -gap, separating, h), -gap, inverse_mass, friction, pair.a, pair.b));
+    append(out.pair_of, static_cast<std::uint32_t>(k));
+    append(out.impulse,
+           warm && pair.normal > 0
+               ? flattened(Eigen::Vector3d(pair.tangent[0], pair.tangent[1], pair.tangent[2]), pair.normal, normal)
+               : Impulse{});
   }
 
   // Ball against wall: found in the drum's frame, solved in the room. Old impulses are sorted by ball, as the
@@ -124,10 +126,9 @@ void assemble_rows(const DrumModel& model, const DrumState& state, const WallCan
       if (!needs_row(gap, separating)) continue;
 
       const double inverse_mass = model.inverse_mass(radius);
-      out.problem.rows.push_back(make_row(normal, normal_row(model.law, -gap, separating, h), inverse_mass, friction,
-                                          near.ball, out.velocity.size()));
-      out.velocity.push_back({float4(wall_velocity, 0), Float4{}});
-      out.overlap.push_back(static_cast<float>(-gap));
+      append(out.problem.rows, make_row(normal, normal_row(model.law, -gap, separating, h), -gap, inverse_mass,
+                                        friction, near.ball, out.velocity.size()));
+      append(out.velocity, BodyVelocity{float4(wall_velocity, 0), Float4{}});
       const Eigen::Vector3f direction = contact.normal.cast<float>();
       WallImpulse kept{near.ball, {direction[0], direction[1], direction[2]}, {0, 0, 0}, 0};
 
@@ -149,8 +150,8 @@ void assemble_rows(const DrumModel& model, const DrumState& state, const WallCan
         taken |= 1u << (from - old);
         start = flattened(pose.rotation * Eigen::Vector3d(w.tangent[0], w.tangent[1], w.tangent[2]), w.normal, normal);
       }
-      out.impulse.push_back(start);
-      out.walls.push_back(kept);
+      append(out.impulse, start);
+      append(out.walls, kept);
     }
   }
 }

@@ -28,7 +28,6 @@ struct Assembly {
   ContactProblem problem;
   std::vector<Impulse> impulse;        ///< (rows)
   std::vector<BodyVelocity> velocity;  ///< (balls, then one piece of wall per wall row)
-  std::vector<float> overlap;          ///< (rows) [m], negative: open
   std::vector<std::uint32_t> pair_of;  ///< (pair rows) index in state.pairs
   std::vector<WallImpulse> walls;      ///< (wall rows) direction in the frame of the drum
   std::vector<WallContact> contacts;   ///< scratch

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/state/arrays.h"
+
 namespace drumsweep {
 
 StepReport make_report(const DrumModel& model, const DrumState& state, Workspace& work) {
@@ -16,9 +18,9 @@ StepReport make_report(const DrumModel& model, const DrumState& state, Workspace
   double sum = 0;
   for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
     if (a.impulse[i][3] > 0) ++report.num_contacts;
-    if (a.overlap[i] <= 0) continue;
-    work.pressed.push_back(a.overlap[i]);
-    sum += a.overlap[i];
+    if (a.problem.rows[i].overlap <= 0) continue;
+    append(work.pressed, a.problem.rows[i].overlap);
+    sum += a.problem.rows[i].overlap;
   }
   if (!work.pressed.empty()) {
     const double diameter = model.study.material.diameter_m;
@@ -30,13 +32,13 @@ StepReport make_report(const DrumModel& model, const DrumState& state, Workspace
     report.mean_overlap = sum / static_cast<double>(work.pressed.size()) / diameter;
   }
 
-  // Momentum: what each ball gained against the sum of its impulses, in double.
+  // Momentum: what each ball gained against the sum of its impulses, added up in another way than the solver does.
   const Balls& balls = state.balls;
-  work.impulse_sum.assign(balls.size(), Eigen::Vector3d::Zero());
+  work.impulse_sum.assign(balls.size(), Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
     const ContactRow& row = a.problem.rows[i];
     const Impulse &p = a.impulse[i], &n = row.normal;
-    const Eigen::Vector3d impulse(p[0] + double{n[0]} * p[3], p[1] + double{n[1]} * p[3], p[2] + double{n[2]} * p[3]);
+    const Eigen::Vector3f impulse(p[0] + n[0] * p[3], p[1] + n[1] * p[3], p[2] + n[2] * p[3]);
     work.impulse_sum[row.a] += impulse;
     if (row.b < balls.size()) work.impulse_sum[row.b] -= impulse;
   }
@@ -44,7 +46,8 @@ StepReport make_report(const DrumModel& model, const DrumState& state, Workspace
     const Float4& v = a.velocity[i].linear;
     const Eigen::Vector3d gained = Eigen::Vector3d(v[0], v[1], v[2]) - balls.velocity[i].cast<float>().cast<double>();
     report.force_balance =
-        std::max(report.force_balance, (gained - model.inverse_mass(balls.radius[i]) * work.impulse_sum[i]).norm());
+        std::max(report.force_balance,
+                 (gained - model.inverse_mass(balls.radius[i]) * work.impulse_sum[i].cast<double>()).norm());
   }
   return report;
 }

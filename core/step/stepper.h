@@ -32,7 +32,7 @@ struct Workspace {
   Assembly assembly;
   std::vector<char> gone;
   std::vector<float> pressed;
-  std::vector<Eigen::Vector3d> impulse_sum;
+  std::vector<Eigen::Vector3f> impulse_sum;
   std::array<double, static_cast<std::size_t>(Phase::count)> phase_s{};  ///< seconds spent, summed over steps
 };
 

@@ -30,7 +30,7 @@ TEST(DrumMesh, borders_are_the_slots_and_the_open_end_and_nothing_else) {
   std::size_t borders = 0;
   for (std::size_t t = 0; t < wall.mesh.triangles.size(); ++t)
     for (std::size_t e = 0; e < 3; ++e) {
-      if (wall.mesh.neighbours[t][e] >= 0) continue;
+      if ((wall.mesh.border[t] >> e & 1) == 0) continue;
       ++borders;
       const auto& a = wall.mesh.vertices[static_cast<std::size_t>(wall.mesh.triangles[t][e])];
       const auto& b = wall.mesh.vertices[static_cast<std::size_t>(wall.mesh.triangles[t][(e + 1) % 3])];

@@ -37,14 +37,9 @@ Case heap(std::uint64_t seed) {
     const auto& A = c.spheres[static_cast<std::size_t>(a)];
     const double w = 1 / A.mass + (b >= 0 ? 1 / c.spheres[static_cast<std::size_t>(b)].mass : 0.0);
     const auto body_b = b >= 0 ? static_cast<std::size_t>(b) : static_cast<std::size_t>(num) + c.contacts.size() - 1;
-    c.problem.rows.push_back({Float4{f(n[0]), f(n[1]), f(n[2]), f(bias)},
-                              f(sigma),
-                              f(1 / (w + sigma)),
-                              f(1 / (3.5 * w)),
-                              0.5f,
-                              static_cast<std::uint32_t>(a),
-                              static_cast<std::uint32_t>(body_b),
-                              {0, 0}});
+    c.problem.rows.push_back({Float4{f(n[0]), f(n[1]), f(n[2]), f(bias)}, f(sigma), f(1 / (w + sigma)),
+                              f(1 / (3.5 * w)), 0.5f, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(body_b),
+                              0.0f, 0});
   };
   for (int i = 0; i < num; ++i) {
     const auto r = draw(static_cast<std::uint32_t>(i), 2);
