@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -183,10 +184,42 @@ std::string axis_label(const std::string& variable_name) {
   return words + unit;
 }
 
-void write_contour(const ResultTable& table, const ContourOptions& options, const std::filesystem::path& path) {
+ResultTable with_shared_designs(const ResultTable& table, const ContourOptions& options) {
+  const ContourAxes axes = contour_axes(table, options);
+  if (!axes.y) return table;
+  using Place = std::pair<double, double>;
+  const auto place = [&](const ResultRow& row) { return Place(row.variables[axes.x], row.variables[*axes.y]); };
+  std::vector<std::string> stages;
+  std::map<std::string, std::set<double>> x, y;
+  std::map<std::string, std::set<Place>> has;
+  for (const ResultRow& row : table.rows) {
+    if (std::find(stages.begin(), stages.end(), row.stage) == stages.end()) stages.push_back(row.stage);
+    x[row.stage].insert(place(row).first);
+    y[row.stage].insert(place(row).second);
+    has[row.stage].insert(place(row));
+  }
+  ResultTable out{table.variable_names, {}};
+  for (const std::string& stage : stages) {
+    // Only a grid can miss a node; scattered designs have as many values of x and of y as there are of them.
+    const bool grid = has[stage].size() >= 2 * std::max(x[stage].size(), y[stage].size());
+    for (const ResultRow& row : table.rows) {
+      const Place at = place(row);
+      const bool fills = grid && row.stage != stage && x[stage].count(at.first) != 0 &&
+                         y[stage].count(at.second) != 0 && has[stage].insert(at).second;
+      if (row.stage != stage && !fills) continue;
+      out.rows.push_back(row);
+      out.rows.back().stage = stage;
+    }
+  }
+  return out;
+}
+
+void write_contour(const ResultTable& plain_table, const ContourOptions& options, const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
+  if (ending == ".csv" && !options.matrix) return write_durably(path, contour_csv(plain_table, options));
+  const ResultTable table = with_shared_designs(plain_table, options);
   if (ending == ".csv") {
-    write_durably(path, options.matrix ? contour_matrix_csv(table, options) : contour_csv(table, options));
+    write_durably(path, contour_matrix_csv(table, options));
   } else if (ending == ".gp") {
     std::filesystem::path data = path, picture = path;
     data.replace_extension(".dat");

@@ -41,6 +41,10 @@ std::string contour_matrix_csv(const ResultTable& table, const ContourOptions& o
 /// "opening_angle_deg" -> "opening angle (deg)", "outlet.base_width_m" -> "base width (m)".
 std::string axis_label(const std::string& variable_name);
 
+/// A design that several stages share stands in the table once, under the first of them. This gives each grid stage its
+/// shared nodes back, as rows of its own, so that its matrix and its map have no holes.
+ResultTable with_shared_designs(const ResultTable& table, const ContourOptions& options);
+
 /// Writes what the ending of the path asks for: .csv, .gp (with .dat beside it), .png, .svg. A file appears whole or
 /// not at all. @throws InputError for another ending or a table that cannot be drawn, std::runtime_error when gnuplot
 /// fails.

@@ -97,6 +97,14 @@ DrumState read_state(const Hdf5Reader& file) {
   return s;
 }
 
+/// Another version of the program may compute other bits: its results must not be mixed with ours.
+void refuse_other_version(const Hdf5Reader& file, const std::string& source) {
+  const std::string version = file.text("program_version");
+  if (version != DRUMSWEEP_VERSION)
+    throw MismatchError(fmt::format("{}: was made by drumsweep {}, this is {}; use that version, or another folder",
+                                    source, version, DRUMSWEEP_VERSION));
+}
+
 void refuse_differences(const Study& stored, const Study& study, bool recording_too, const std::string& source) {
   const std::string text = explain_differences(stored, study, recording_too);
   if (!text.empty()) throw MismatchError(fmt::format("{}: was made with other settings:\n{}", source, text));
@@ -132,6 +140,7 @@ std::string pack_warm_state(const Study& study, const WarmState& warm) {
 
 StoredDrum unpack_drum(const std::string& bytes, const std::string& source) {
   const Hdf5Reader file(bytes, warm_kind, warm_layout, source);
+  refuse_other_version(file, source);
   StoredDrum stored{parse_study(file.text("study"), source + ": study"), {}};
   WarmState& warm = stored.warm;
   warm.state = read_state(file);
@@ -203,6 +212,7 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source) {
   const Hdf5Reader file(bytes, recording_kind, recording_layout, source);
+  refuse_other_version(file, source);
   std::string keys;
   std::vector<double> values;
   for (const auto& [key, value] : design) {

@@ -16,7 +16,7 @@ struct MismatchError : std::runtime_error {
 /// windows, the study. A run restarted from it is bitwise the uninterrupted one.
 std::string pack_warm_state(const Study& study, const WarmState& warm);
 
-/// @throws StoreError (damaged, foreign), MismatchError (a key of the warm-up differs from `study`)
+/// @throws StoreError (damaged, foreign), MismatchError (another version, or a key of the warm-up differs from `study`)
 WarmState unpack_warm_state(const std::string& bytes, const Study& study, const std::string& source);
 
 /// A stored drum together with the study it was made with.
@@ -24,14 +24,14 @@ struct StoredDrum {
   Study study;
   WarmState warm;
 };
-/// @throws StoreError
+/// @throws StoreError, MismatchError (of another version)
 StoredDrum unpack_drum(const std::string& bytes, const std::string& source);
 
 /// Recording of one design.
 std::string pack_recording(const Study& study, const std::string& design_id, const Design& design,
                            const Recording& recording);
 
-/// @throws StoreError, MismatchError (another design, or a key that the recording depends on differs)
+/// @throws StoreError, MismatchError (another version or design, or a key that the recording depends on differs)
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source);
 

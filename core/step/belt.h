@@ -8,7 +8,7 @@ namespace drumsweep {
 
 /// After positions moved over one time step ending at `time`: notes through which slot (or over the end) balls have
 /// left, appends landings, counts what spilled or was lost, and marks in `gone` what is to be dropped at the next
-/// contact search. Lost, by design: not a number; behind or outside the drum's closed wall; outside the outlet but far
+/// contact search. Lost, by design: not a number; farther away than a ball can fly; behind or outside the drum's closed wall; outside the outlet but far
 /// from every slot; below the belt without having left the drum.
 /// @param pose  of the drum at `time`
 /// @param landings  may be null: counted all the same

@@ -292,5 +292,28 @@ TEST_F(DrawnFigure, failure_of_gnuplot_leaves_no_file_and_says_why) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "figure.png"));
 }
 
+TEST(Contour, a_grid_stage_gets_back_the_nodes_that_an_earlier_stage_holds) {
+  ResultTable table{{"opening_angle_deg", "base_width_m"}, {}};
+  const auto add = [&](const char* stage, double x, double y) {
+    ResultRow row;
+    row.stage = stage;
+    row.state = "done";
+    row.variables = {x, y};
+    row.f_m = 0.01 + x + y;
+    table.rows.push_back(row);
+  };
+  for (const double x : {0.0, 3.0})
+    for (const double y : {0.0, 3.0}) add("coarse", x, y);
+  // The fine stage's corners are the coarse stage's.
+  for (const double x : {0.0, 1.0, 2.0, 3.0})
+    for (const double y : {0.0, 1.0, 2.0, 3.0})
+      if (x == 1.0 || x == 2.0 || y == 1.0 || y == 2.0) add("fine", x, y);
+  ContourOptions options;
+  EXPECT_EQ(with_shared_designs(table, options).rows.size(), 4u + 16u);
+  options.stage = "fine";
+  EXPECT_THROW(contour_matrix_csv(table, options), InputError);
+  EXPECT_NO_THROW(contour_matrix_csv(with_shared_designs(table, options), options));
+}
+
 }  // namespace
 }  // namespace drumsweep
