@@ -22,6 +22,7 @@ namespace {
 struct Estimate {
   double ball_kg, balls_per_s, bed_height_m, froude, turn_s, wall_speed_m_s, step_s;
   double residence_s, balls;  ///< Sullivan; infinite for a level drum
+  double filling;             ///< of the drum's volume, bed at the stated packing
   double memory_bytes, core_s_per_s, warmup_core_s, design_core_s;
 };
 
@@ -45,6 +46,8 @@ Estimate estimate(const Study& s) {
                          (s.drum.inclination_deg * s.drum.diameter_m * rpm);
   e.residence_s = 60 * minutes;
   e.balls = e.balls_per_s * e.residence_s;
+  e.filling = e.balls * std::numbers::pi / 6 * d * d * d / s.objective.packing /
+              (std::numbers::pi / 4 * s.drum.diameter_m * s.drum.diameter_m * s.drum.length_m);
 
   // Measured on the lab drum: 0.25 s of a core per 1000 balls and simulated second at 2500 solver passes a second.
   const double passes_per_s = static_cast<double>(s.solver.iterations) / e.step_s;
@@ -70,6 +73,9 @@ std::vector<std::string> warnings(const Study& s, const Plan& plan, const Estima
   warn(s.drum.mesh_resolution_m > 2 * d, "mesh_resolution_m is above two ball diameters: bumps of the wall are lost");
   warn(e.froude >= 1, "the Froude number is 1 or more: balls go round with the wall");
   warn(s.drum.inclination_deg == 0, "a level drum: residence time and holdup cannot be estimated");
+  warn(e.filling > 0.3,
+       fmt::format("the drum would be {:.0f} % full: more than about a third is not taken in, the feed will be blocked",
+                   100 * e.filling));
   warn(s.feed.rate_kg_s == 0, "the feed is zero: the drum stays empty");
   warn(s.record.turns < 2, "record.turns below 2: the error of f is estimated from very few blocks");
   warn(s.record.adapt_turns < 1, "record.adapt_turns below 1: the recording may still see the outlet of the warm-up");
@@ -112,6 +118,7 @@ void check(const std::string& path) {
     fmt::print("\nEstimates (from formulas, to be off by a factor of two at times):\n");
     fmt::print("holdup      {:.3g} balls, residence time {:.3g} s = {:.3g} turns (Sullivan's kiln formula)\n", e.balls,
                e.residence_s, e.residence_s / e.turn_s);
+    fmt::print("filling     {:.3g} % of the drum's volume\n", 100 * e.filling);
     fmt::print("memory      {:.3g} MB a rank (1 kB a ball)\n", 1e-6 * e.memory_bytes);
     fmt::print("warm-up     {} of one core\n", clock_text(e.warmup_core_s));
     fmt::print("a design    {} of one core ({} + {} turns)\n", clock_text(e.design_core_s), s.record.adapt_turns,

@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/embedded_schedules.h"
 #include "core/config/schema.h"
+#include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "sweep/store.h"
 
@@ -51,12 +52,16 @@ void init(const Options& options) {
     if (std::filesystem::exists(path, error))
       throw InputError(path + ": is there already and is not overwritten; choose another folder or remove it");
   }
+  const std::string reference = options.folder + "/" + options.preset + "_all_keys.toml";
   make_folder(options.folder);
   for (const Schedule& schedule : list) {
     const std::string path = options.folder + "/" + file_name(schedule);
     write_durably(path, schedule.text);
     fmt::print("{}\n", path);
   }
+  // The same study with every key, its help and its range.
+  write_durably(reference, write_study(parse_study(list.front().text, file_name(list.front())), true));
+  fmt::print("{} (every key, explained)\n", reference);
   fmt::print("next: drumsweep check {}/{}\n", options.folder, file_name(list.front()));
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "cli/commands.h"
 #include "core/config/schema.h"
@@ -39,6 +40,9 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 2 bad usage or input, 3 stopped early (run again to go on), 4 finished but some designs "
       "failed,\n"
       "5 refused: does not match what is stored, 6 another run holds the output.");
+  // "Stopped early, run again" makes sense for these two only; elsewhere a file that cannot be read or written is bad input.
+  const std::string command = argc > 1 ? argv[1] : "";
+  const bool resumable = command == "run" || command == "simulate";
   int exit_code = exit_done;
   add_init(app, exit_code);
   add_check(app, exit_code);
@@ -63,12 +67,12 @@ int main(int argc, char** argv) {
   } catch (const LockHeldError& error) {
     return complain(error, exit_held);
   } catch (const WriteError& error) {
-    return complain(error, exit_stopped);
+    return complain(error, resumable ? exit_stopped : exit_usage);
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "drumsweep: out of memory; what is stored stays, run again with fewer ranks on a machine\n");
     return exit_stopped;
   } catch (const std::exception& error) {
     // The machine's trouble (MPI, gnuplot, a file that vanished): nothing stored is harmed.
-    return complain(error, exit_stopped);
+    return complain(error, resumable ? exit_stopped : exit_usage);
   }
 }

@@ -37,7 +37,11 @@ void print_json(const SingleDesign& d) {
   JsonObject balance, all;
   balance.count("fed", r.counts.fed).count("landed", r.counts.landed).count("spilled", r.counts.spilled);
   balance.count("inside", r.inside).count("removed", r.counts.removed);
-  all.text("design_id", d.design.id).flag("steady", d.steady).raw("observables", json_list(list));
+  all.text("design_id", d.design.id)
+      .text("state", d.state)
+      .text("reason", d.reason)
+      .flag("steady", d.steady)
+      .raw("observables", json_list(list));
   all.count("lost_balls", r.lost).raw("mass_balance", balance.str());
   all.text("state_hash", fmt::format("{:016x}", r.hash)).number("residual", r.quality.residual.mean);
   all.number("cpu_s", d.cpu_s).text("recording", d.recording_path);
@@ -45,7 +49,7 @@ void print_json(const SingleDesign& d) {
 }
 
 void print_text(const SingleDesign& d) {
-  fmt::print("design {}{}\n", d.design.id, d.steady ? "" : " (UNTRUSTED: the warm drum was not steady)");
+  fmt::print("design {}{}\n", d.design.id, d.state == "done" ? "" : fmt::format(" ({}: {})", d.state, d.reason));
   for (const Observable& o : d.observables)
     fmt::print("  {:<22}{:>10} {:>12.5g}{} {}\n", o.name,
                std::isnan(o.position) ? "" : fmt::format("{:.4g} m", o.position), o.value,

@@ -58,7 +58,8 @@ void print_text(const std::string& folder, const SweepStatus& s) {
     fmt::print("best       {}", s.best->design_id);
     for (std::size_t i = 0; i < s.variable_names.size(); ++i)
       fmt::print(", {} = {}", s.variable_names[i], s.best->variables.at(i));
-    fmt::print(": f = {:.4g} +- {:.2g} m\n", s.best->f_m, s.best->sigma_f_m);
+    fmt::print(": f = {:.4g} +- {:.2g} m{}\n", s.best->f_m, s.best->sigma_f_m,
+               s.best->state == "untrusted" ? " (UNTRUSTED: " + s.best->reason + ")" : "");
   }
 }
 

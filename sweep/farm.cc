@@ -151,6 +151,7 @@ void Farm::broadcast(std::string& bytes) {
     for (int arrived = 0;;) {
       check(MPI_Test(&request, &arrived, MPI_STATUS_IGNORE), "MPI_Test");
       if (arrived != 0) break;
+      if (orphaned()) throw std::runtime_error("mpirun has died during a broadcast");
       nap();
     }
   }

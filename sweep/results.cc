@@ -48,6 +48,12 @@ ResultRow evaluated_row(const Study& base, const PlannedDesign& design, const Re
     if (!steady) {
       row.state = "untrusted";
       row.reason = "warm drum not steady";
+    } else if (recording.lost > 0) {
+      row.state = "untrusted";
+      row.reason = fmt::format("{} balls lost", recording.lost);
+    } else if (objective.f_m == 0) {
+      row.state = "untrusted";
+      row.reason = "nothing landed in the window of the objective";
     } else if (recording.feed_debt_kg > study.feed.rate_kg_s + ball_kg) {
       row.state = "untrusted";
       row.reason = fmt::format("feed blocked: {:.3g} kg found no room", recording.feed_debt_kg);

@@ -12,6 +12,7 @@
 #include "postproc/result_table.h"
 #include "sweep/design_run.h"
 #include "sweep/output_lock.h"
+#include "sweep/results.h"
 #include "sweep/stop.h"
 #include "sweep/store.h"
 
@@ -147,12 +148,15 @@ SingleDesign run_single_design(const Study& study, const std::vector<double>& va
   out.stopped = !make_warm_drum(study, paths.warm_state(), observer, reporter, warm);
   if (out.stopped) return out;
   out.steady = warm.steady;
-  if (!warm.steady) reporter.warn("the warm drum is NOT STEADY: do not trust what follows");
 
   out.recording = run_design(study, warm.state, out.design.values, observer);
   out.stopped = out.recording.stopped;
   if (out.stopped) return out;
   out.observables = observables(study, out.design, out.recording);
+  const ResultRow row = evaluated_row(study, out.design, out.recording, warm.steady);
+  out.state = row.state;
+  out.reason = row.reason;
+  if (out.state != "done") reporter.warn(out.state + ": " + out.reason);
   out.recording_path = folder + "/" + out.design.id + ".h5";
   out.observables_path = folder + "/" + out.design.id + "_observables.csv";
   write_durably(out.recording_path, pack_recording(study, out.design.id, out.design.values, out.recording));

@@ -22,8 +22,9 @@ struct Observable {
 
 struct SingleDesign {
   PlannedDesign design;
-  bool stopped = false;  ///< by a signal; nothing below is filled in then
-  bool steady = false;   ///< the warm drum was
+  bool stopped = false;       ///< by a signal; nothing below is filled in then
+  bool steady = false;        ///< the warm drum was
+  std::string state, reason;  ///< as in results.csv: done, or untrusted and why
   Recording recording;
   std::vector<Observable> observables;
   std::string recording_path, observables_path;

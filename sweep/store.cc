@@ -44,7 +44,7 @@ std::optional<std::string> frozen_study_text(const OutputPaths& paths) {
   std::error_code error;
   if (!fs::exists(paths.folder, error)) return std::nullopt;
   if (!fs::is_directory(paths.folder, error))
-    throw WriteError(fmt::format("{}: is there and is not a folder", paths.folder));
+    throw InputError(fmt::format("{}: is there and is not a folder", paths.folder));
   if (!fs::exists(paths.study(), error)) {
     if (counts_as_empty(paths.folder)) return std::nullopt;
     throw MismatchError(

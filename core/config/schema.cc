@@ -75,8 +75,9 @@ std::vector<Field> fields(Study& s) {
   belt.number("width_m", s.belt.width_m, 0.02, 50, "across, along the projected drum axis");
   belt.scope = Scope::evaluation;
   belt.number("speed_m_s", s.belt.speed_m_s, 1e-3, 20, "across the drum axis");
-  belt.scope = Scope::recording;
+  belt.scope = Scope::warm_state;  // it is where the drum, and so every stored ball, stands in the room
   belt.number("outlet_begin_m", s.belt.outlet_begin_m, -10, 50, "where the outlet begins, from the belt's edge");
+  belt.scope = Scope::recording;
   belt.number("drop_height_m", s.belt.drop_height_m, 0.001, 10, "of the outlet's lowest point above the belt");
   belt.text("edge", s.belt.edge, {"skirt", "open"},
             "skirt: what lands past an edge slides back inside; open: it is spilled");
@@ -243,11 +244,22 @@ void validate(const Study& study, const std::function<std::string(const std::str
   std::vector<std::string> names;
   for (const StageConfig& stage : study.stages) {
     const std::string here = where("stage") + "stage \"" + stage.name + "\": ";
-    if (stage.name.empty() || stage.name.find_first_of(",\"\n\r/") != std::string::npos)
-      throw InputError(here + "name: needs letters, without comma, quote or slash");
+    const auto unfit = [](char c) {
+      return std::string_view(",\"/\\").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20;
+    };
+    if (stage.name.empty() || std::any_of(stage.name.begin(), stage.name.end(), unfit))
+      throw InputError(here + "name: needs letters, without comma, quote, slash, backslash or control character");
     if (std::find(names.begin(), names.end(), stage.name) != names.end()) throw InputError(here + "name: used twice");
     names.push_back(stage.name);
     if (stage.variables.empty()) throw InputError(here + "variables: at least one is needed");
+    for (std::size_t i = 0; i < stage.variables.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const std::string &one = stage.variables[j].key, &two = stage.variables[i].key;
+        const auto is_angle = [](const std::string& key) { return key.rfind("outlet.opening_angle_", 0) == 0; };
+        if (one == two || (is_angle(one) && is_angle(two)))
+          throw InputError(here + "variables: " + one +
+                           (one == two ? " stands there twice" : " and " + two + " are the same quantity"));
+      }
     double nodes = 1;
     for (const StageVariable& v : stage.variables) {
       Study probe = study;

@@ -3,15 +3,81 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/state/arrays.h"
 
 namespace drumsweep {
 namespace {
 
+// Farther than this many cells nothing is looked for: a ball that fast is not a ball of a drum.
+constexpr std::int64_t most_layers = 6;
+
+// A ball with this many others listed around it does not fly.
+constexpr std::uint8_t enclosed_by = 4;
+
 struct Cells {
   std::array<std::int64_t, 3> low, size;
 };
+
+/// Gap at which a pair is listed, beyond touching, at this relative speed.
+double listed_gap(const PairSearch& search, double speed) {
+  return search.margin + (search.extra_speed + speed) * search.horizon;
+}
+
+bool is_listed(const PairSearch& search, const Balls& balls, std::size_t i, std::size_t j) {
+  const double squared = (balls.position[j] - balls.position[i]).squaredNorm(),
+               touching = balls.radius[i] + balls.radius[j];
+  const double least = touching + listed_gap(search, 0);
+  if (squared <= least * least) return true;
+  const double reach = touching + listed_gap(search, (balls.velocity[j] - balls.velocity[i]).norm());
+  return squared <= reach * reach;
+}
+
+/// Pairs two or more cells apart that are fast enough to meet within the horizon, one of them loose. Two balls that are both enclosed
+/// by others cannot come together from that far, so only the few that fly are looked after.
+void list_far_pairs(const PairSearch& search, const Cells& cells, DrumState& state, PairSearchScratch& scratch) {
+  const Balls& balls = state.balls;
+  const std::int64_t row = cells.size[0], slab = row * cells.size[2];
+  double fastest = 0, largest = 0;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    fastest = std::max(fastest, balls.velocity[i].norm());
+    largest = std::max(largest, balls.radius[i]);
+  }
+  const auto is_loose = [&](std::size_t i) { return scratch.num_near[i] < enclosed_by; };
+
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    if (!is_loose(i)) continue;
+    const double reach = balls.radius[i] + largest + listed_gap(search, balls.velocity[i].norm() + fastest);
+    const auto layers = std::min(most_layers, static_cast<std::int64_t>(std::ceil(reach / search.cell_size)));
+    if (layers < 2) continue;
+    const std::int64_t c = scratch.cell_of[scratch.order[i]], y = c / slab, z = c % slab / row, x = c % row;
+    const auto visit = [&](std::int64_t first_cell, std::int64_t last_cell) {
+      if (first_cell > last_cell) return;
+      const std::uint32_t begin = scratch.cell_begin[static_cast<std::size_t>(first_cell)];
+      const std::uint32_t end = scratch.cell_begin[static_cast<std::size_t>(last_cell) + 1];
+      for (std::uint32_t j = begin; j < end; ++j) {
+        if ((j < i && is_loose(j)) || !is_listed(search, balls, i, j))
+          continue;  // of two loose ones the first has listed the pair
+        const auto k = static_cast<std::uint32_t>(i);
+        append(state.pairs, PairImpulse{std::min(j, k), std::max(j, k), {0, 0, 0}, 0});
+      }
+    };
+    for (std::int64_t ny = std::max<std::int64_t>(0, y - layers); ny <= std::min(cells.size[1] - 1, y + layers); ++ny)
+      for (std::int64_t nz = std::max<std::int64_t>(0, z - layers); nz <= std::min(cells.size[2] - 1, z + layers);
+           ++nz) {
+        const std::int64_t line = ny * slab + nz * row;
+        const std::int64_t from = line + std::max<std::int64_t>(0, x - layers),
+                           to = line + std::min(row - 1, x + layers);
+        if (std::abs(ny - y) > 1 || std::abs(nz - z) > 1) {
+          visit(from, to);
+        } else {  // the near search has the three in the middle
+          visit(from, line + x - 2);
+          visit(line + x + 2, to);
+        }
+      }
+  }
+}
 
 }  // namespace
 
@@ -42,6 +108,8 @@ void sort_and_find_pairs(const PairSearch& search, DrumState& state, PairSearchS
   // x runs fastest, y (along the axis) slowest.
   const std::int64_t row = cells.size[0], slab = row * cells.size[2];
   const auto num_cells = static_cast<std::size_t>(slab * cells.size[1]);
+  if (num_cells >= 0xFFFFFFFFu)
+    throw std::runtime_error("the drum is too large for its balls: more than 4 billion cells of the contact search");
 
   // Counting sort by cell; stable, so the order is a function of positions and of the order before.
   scratch.cell_of.resize(num);
@@ -90,24 +158,21 @@ void sort_and_find_pairs(const PairSearch& search, DrumState& state, PairSearchS
 
   // Pairs: each ball with those after it in its own cell and with the 13 cells behind, which are 5 runs of places.
   state.pairs.clear();
-  const double farthest = search.cell_size * search.cell_size;
+  scratch.num_near.assign(num, 0);
+  const auto count = [&](std::size_t i) {
+    scratch.num_near[i] = static_cast<std::uint8_t>(std::min(255, scratch.num_near[i] + 1));
+  };
   for (std::size_t i = 0; i < num; ++i) {
-    const Eigen::Vector3d p = balls.position[i], v = balls.velocity[i];
     const std::int64_t c = scratch.cell_of[scratch.order[i]];
     const auto visit = [&](std::size_t begin, std::size_t end) {
       for (std::size_t j = begin; j < end; ++j) {
-        const double squared = (balls.position[j] - p).squaredNorm();
-        if (squared > farthest) continue;
-        const double touching = balls.radius[i] + balls.radius[j];
-        const double least = touching + search.margin + search.extra_speed * search.horizon;
-        if (squared > least * least) {
-          const double reach = least + (balls.velocity[j] - v).norm() * search.horizon;
-          if (squared > reach * reach) continue;
-        }
+        if (!is_listed(search, balls, i, j)) continue;
         PairImpulse pair{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), {0, 0, 0}, 0};
         for (std::uint32_t o = scratch.old_begin[i]; o < scratch.old_begin[i + 1]; ++o)
           if (scratch.old[o].b == pair.b) pair = scratch.old[o];
         append(state.pairs, pair);
+        count(i);
+        count(j);
       }
     };
     const auto run = [&](std::int64_t from, std::int64_t to) {
@@ -119,6 +184,7 @@ void sort_and_find_pairs(const PairSearch& search, DrumState& state, PairSearchS
     run(c + slab - 1, c + slab + 1);
     run(c + slab + row - 1, c + slab + row + 1);
   }
+  list_far_pairs(search, cells, state, scratch);
 }
 
 }  // namespace drumsweep

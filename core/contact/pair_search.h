@@ -9,7 +9,7 @@
 namespace drumsweep {
 
 struct PairSearch {
-  double cell_size = 0;    ///< no pair farther apart than this is listed [m]
+  double cell_size = 0;    ///< larger than a ball with its margin; a matter of speed alone [m]
   double margin = 0;       ///< pairs are listed up to this gap ... [m]
   double horizon = 0;      ///< ... plus what their relative velocity closes in this time [s]
   double extra_speed = 0;  ///< ... and this speed more, for what collisions change [m/s]
@@ -19,6 +19,7 @@ struct PairSearch {
 struct PairSearchScratch {
   std::vector<std::uint32_t> cell_of, cell_begin, order, place_of, old_begin;
   std::vector<PairImpulse> old;
+  std::vector<std::uint8_t> num_near;  ///< (balls) pairs of each in the near search, at most 255
 };
 
 /// Sorts the balls by cell (along the axis first, so that neighbours in space are neighbours in memory), lists the

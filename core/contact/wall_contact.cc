@@ -23,6 +23,14 @@ bool on_border(const TriangleMesh& mesh, const Candidate& c) {
          (mesh.border[static_cast<std::size_t>(c.triangle)] >> (static_cast<int>(c.feature) - 1) & 1) != 0;
 }
 
+Eigen::Vector3d front_of(const TriangleMesh& mesh, std::int32_t triangle) {
+  const auto& [i, j, k] = mesh.triangles[static_cast<std::size_t>(triangle)];
+  const Eigen::Vector3d& a = mesh.vertices[static_cast<std::size_t>(i)];
+  return (mesh.vertices[static_cast<std::size_t>(j)] - a)
+      .cross(mesh.vertices[static_cast<std::size_t>(k)] - a)
+      .normalized();
+}
+
 }  // namespace
 
 void wall_contacts(const TriangleMesh& mesh, std::span<const std::int32_t> candidates, const Eigen::Vector3d& centre,
@@ -75,12 +83,13 @@ void wall_contacts(const TriangleMesh& mesh, std::span<const std::int32_t> candi
 
     // Normal towards the ball; where it must be in front but is behind, the other way, so that it is pushed back. Around the border of a
     // wall there is no behind.
-    const Eigen::Vector3d& a = mesh.vertices[static_cast<std::size_t>(corners[0])];
-    const Eigen::Vector3d front = (mesh.vertices[static_cast<std::size_t>(corners[1])] - a)
-                                      .cross(mesh.vertices[static_cast<std::size_t>(corners[2])] - a)
-                                      .normalized();
-    const Eigen::Vector3d away = centre - c.point;
-    const bool behind = front.dot(away) < 0, turned = in_front && behind && !on_border(mesh, c);
+    const Eigen::Vector3d away = centre - c.point, front = front_of(mesh, c.triangle);
+    const bool behind = front.dot(away) < 0;
+    // On an edge or vertex all triangles that share it must agree: in front of a sharp ridge one is behind its far side's plane.
+    const bool turned =
+        in_front && behind && !on_border(mesh, c) && std::none_of(found.begin(), found.end(), [&](const Candidate& o) {
+          return shares(o) && front_of(mesh, o.triangle).dot(away) >= 0;
+        });
     Eigen::Vector3d normal = behind ? Eigen::Vector3d(-front) : front;
     if (c.feature != Feature::face) {
       if (c.squared == 0) continue;  // exactly on an edge: no direction; the faces beside it hold the contact

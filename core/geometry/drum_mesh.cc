@@ -87,10 +87,10 @@ DrumWall build_drum_wall(const Study& study, const OutletConfig& outlet_config) 
   const int num_rings = intervals(shape.radius, plate_resolution);
   Row outer = rows.front();
   for (int r = 1; r < num_rings; ++r) {
-    const double at = shape.radius * (num_rings - r) / num_rings;
-    const Row inner = ring(
-        [&](double u) { return build.vertex(u, -drum.length_m, std::min(at, shape.radius - build.wall.highest_bump)); },
-        std::max(6, intervals(2 * std::numbers::pi * at, plate_resolution)));
+    // Inside the bumps of the ring that it joins.
+    const double at = (shape.radius - build.wall.highest_bump) * (num_rings - r) / num_rings;
+    const Row inner = ring([&](double u) { return build.vertex(u, -drum.length_m, at); },
+                           std::max(6, intervals(2 * std::numbers::pi * at, plate_resolution)));
     build.zip(inner, outer);
     outer = inner;
   }

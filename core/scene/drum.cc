@@ -83,7 +83,9 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   ReportMean quality;
   const double turns = study.record.adapt_turns + study.record.turns;
   const std::int64_t first = state.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
-  const std::int64_t last = recorded + steps_for_turns(model, study.record.turns);
+  // Rounded up, so that the window of the objective is filled; what lands after it does not count.
+  const auto last = recorded + static_cast<std::int64_t>(std::ceil(
+                                   study.record.turns * model.seconds_per_turn() / study.solver.outer_step_s - 1e-9));
   out.begin_s = time_of(model, recorded);
   out.turns = study.record.turns;
   while (state.num_steps < last && !out.stopped) {

@@ -41,7 +41,8 @@ void find_wall_candidates(const DrumModel& model, const Balls& balls, const Pose
   out.triangles.clear();
   // A ball's centre moves along a segment in the drum's frame; what it can touch lies within `beyond` and its radius of
   // that segment.
-  const double horizon = model.study.solver.outer_step_s, beyond = model.margin() + model.search.extra_speed * horizon;
+  const double horizon = model.study.solver.outer_step_s,
+               beyond = model.margin() + (model.search.extra_speed + gravity * horizon) * horizon;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const Eigen::Vector3d from = pose.to_body(balls.position[i]);
     const Eigen::Vector3d way =

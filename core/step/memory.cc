@@ -16,7 +16,7 @@ MemoryUse memory_use(const DrumModel& model, const DrumState& state, const Works
   const Assembly& a = work.assembly;
   const TriangleMesh& m = model.wall.mesh;
   return {held(b.position, b.velocity, b.spin, b.radius, b.id, b.exit, state.pairs, state.walls),
-          held(p.cell_of, p.cell_begin, p.order, p.place_of, p.old_begin, p.old, work.feed.in_zone,
+          held(p.cell_of, p.cell_begin, p.order, p.place_of, p.old_begin, p.old, p.num_near, work.feed.in_zone,
                work.candidates.balls, work.candidates.triangles, a.problem.rows, a.impulse, a.velocity, a.pair_of,
                a.walls, a.contacts, work.gone, work.pressed, work.impulse_sum),
           held(m.vertices, m.triangles, m.border, model.bounds) + model.grid.bytes()};

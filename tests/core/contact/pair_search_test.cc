@@ -32,21 +32,26 @@ std::set<IdPair> ids(const DrumState& state) {
 }
 
 TEST(PairSearch, lists_exactly_the_pairs_that_brute_force_finds) {
-  const PairSearch search{0.016, 0.001, 0.002, 0.1};
-  DrumState state = cloud(1500, 0.12);
-  std::set<IdPair> expected;
-  const Balls& b = state.balls;
-  for (std::uint32_t i = 0; i < b.size(); ++i)
-    for (std::uint32_t j = i + 1; j < b.size(); ++j) {
-      const double distance = (b.position[i] - b.position[j]).norm();
-      const double reach = b.radius[i] + b.radius[j] + search.margin +
-                           (search.extra_speed + (b.velocity[i] - b.velocity[j]).norm()) * search.horizon;
-      if (distance <= std::min(reach, search.cell_size)) expected.insert({b.id[i], b.id[j]});
-    }
-  PairSearchScratch scratch;
-  sort_and_find_pairs(search, state, scratch);
-  EXPECT_EQ(ids(state), expected);
-  EXPECT_GT(expected.size(), 1000u);
+  // A crowd; and a few that fly so fast that they meet others several cells away.
+  for (const bool crowd : {true, false}) {
+    const PairSearch search{0.016, 0.001, crowd ? 0.002 : 0.010, 0.1};
+    DrumState state = crowd ? cloud(1500, 0.12) : cloud(150, 0.25);
+    if (!crowd)
+      for (Eigen::Vector3d& v : state.balls.velocity) v *= 5;
+    std::set<IdPair> expected;
+    const Balls& b = state.balls;
+    for (std::uint32_t i = 0; i < b.size(); ++i)
+      for (std::uint32_t j = i + 1; j < b.size(); ++j) {
+        const double distance = (b.position[i] - b.position[j]).norm();
+        const double reach = b.radius[i] + b.radius[j] + search.margin +
+                             (search.extra_speed + (b.velocity[i] - b.velocity[j]).norm()) * search.horizon;
+        if (distance <= reach) expected.insert({b.id[i], b.id[j]});
+      }
+    PairSearchScratch scratch;
+    sort_and_find_pairs(search, state, scratch);
+    EXPECT_EQ(ids(state), expected);
+    EXPECT_GT(expected.size(), crowd ? 1000u : 20u);
+  }
 }
 
 TEST(PairSearch, impulses_follow_their_balls_through_sorting_and_removal) {
@@ -74,6 +79,22 @@ TEST(PairSearch, impulses_follow_their_balls_through_sorting_and_removal) {
     EXPECT_EQ(p.normal, mark(std::min(a, b), std::max(a, b)));
     EXPECT_EQ(p.tangent[0], a < b ? p.normal : -p.normal);
   }
+}
+
+TEST(PairSearch, a_ball_that_falls_on_another_at_any_speed_of_a_drum_lands_on_it) {
+  for (const double speed : {0.5, 1.0, 1.5, 2.0, 2.5})
+    for (const double gap : {0.001, 0.005, 0.012, 0.02, 0.024}) {
+      const PairSearch search{0.0185, 0.001, 0.010, 0.2};
+      DrumState state;
+      state.balls.add({0, 0, 0}, 0.005, 0);
+      state.balls.add({0, 0, 0.010 + gap}, 0.005, 1);
+      state.balls.velocity[1][2] = -speed;
+      PairSearchScratch scratch;
+      sort_and_find_pairs(search, state, scratch);
+      if (gap < speed * search.horizon) {
+        EXPECT_EQ(state.pairs.size(), 1u) << speed << " " << gap;
+      }
+    }
 }
 
 }  // namespace

@@ -136,5 +136,16 @@ TEST(WallContact, least_distance_equals_brute_force_over_the_drum) {
   }
 }
 
+TEST(WallContact, in_front_of_a_ridge_sharper_than_a_right_angle_no_face_claims_the_ball_is_behind) {
+  const TriangleMesh mesh = surface(6, 0.01, [](double x, double) { return 0.06 - 2 * std::abs(x - 0.03); });
+  const auto triangles = all(mesh);
+  std::vector<WallContact> contacts;
+  for (int i = 0; i <= 160; ++i) {
+    const Eigen::Vector3d centre(0.022 + 0.016 * i / 160, 0.0303, 0.064);
+    wall_contacts(mesh, triangles, centre, 0.02, true, contacts);
+    for (const WallContact& c : contacts) EXPECT_GT(c.distance, 0) << i;
+  }
+}
+
 }  // namespace
 }  // namespace drumsweep

@@ -131,5 +131,22 @@ TEST(DrumMesh, texture_is_as_dense_and_high_as_asked) {
   EXPECT_LT(wall.highest_bump, 0.05);
 }
 
+TEST(DrumMesh, the_end_plate_faces_the_drum_however_high_the_bumps) {
+  for (const std::int64_t seed : {1, 2, 3}) {
+    Study study = small_drum();
+    study.seed = seed;
+    study.drum.diameter_m = 0.2;
+    study.drum.texture = TextureConfig{};
+    const DrumWall wall = build_drum_wall(study, study.outlet);
+    for (const auto& t : wall.mesh.triangles) {
+      const auto &a = wall.mesh.vertices[static_cast<std::size_t>(t[0])],
+                 &b = wall.mesh.vertices[static_cast<std::size_t>(t[1])],
+                 &c = wall.mesh.vertices[static_cast<std::size_t>(t[2])];
+      if (std::max({a[2], b[2], c[2]}) > -study.drum.length_m + 1e-9) continue;
+      EXPECT_GT((b - a).cross(c - a)[2], 1e-9) << "seed " << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace drumsweep

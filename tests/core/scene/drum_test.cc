@@ -136,10 +136,9 @@ TEST(DesignRun, a_ball_where_none_can_be_is_counted_as_lost) {
   DrumState state = warm().state;
   const auto before = static_cast<std::int64_t>(state.balls.size());
   state.balls.position[0] = model.pose(0).origin + model.tilt * Eigen::Vector3d(0.2, 0, -0.1);  // outside the wall
-  const auto flying =
-      std::find_if(state.balls.exit.begin() + 1, state.balls.exit.end(), [](auto e) { return e != 0; }) -
-      state.balls.exit.begin();
-  state.balls.velocity[static_cast<std::size_t>(flying)][0] = std::nan("");
+  // Its neighbours would catch it: alone in the air.
+  state.balls.position[1] = model.pose(0).origin + model.tilt * Eigen::Vector3d(0, 0, 0.08);
+  state.balls.velocity[1][0] = std::nan("");
   Workspace work;
   advance(model, state, work);
   EXPECT_EQ(state.counts.removed, 2);
@@ -187,6 +186,43 @@ TEST(Quality, the_step_report_sees_overlap_and_a_balanced_momentum) {
   EXPECT_LT(report.force_balance, 1e-5);
   EXPECT_GT(report.mean_overlap, 0);
   EXPECT_LT(report.mean_overlap, 0.03);
+}
+
+TEST(Belt, a_landing_is_where_and_when_free_flight_ends_on_the_belt) {
+  const Study study = small_drum();
+  const DrumModel model(study, study.outlet);
+  DrumState state;
+  // Below the outlet, thrown forward: s beyond the end, so it has left over the end.
+  const Eigen::Vector3d from(0.02, study.belt.outlet_begin_m + 0.14, model.belt_height + 0.05), v(0.3, 0.1, -0.2);
+  state.balls.add(from, model.largest_radius, 0);
+  state.balls.velocity[0] = v;
+  state.feed_debt_kg = -1;  // no feed
+  ++state.counts.fed;
+  Workspace work;
+  std::vector<Landing> landings;
+  while (landings.empty() && state.num_steps < 1000) advance(model, state, work, &landings);
+  ASSERT_EQ(landings.size(), 1u);
+  const double fall = 0.05 - model.largest_radius, g = 9.81;
+  const double t = (v[2] + std::sqrt(v[2] * v[2] + 2 * g * fall)) / g, h = model.time_step;
+  EXPECT_NEAR(landings[0].time, t, h);
+  EXPECT_NEAR(landings[0].x, from[0] + 0.3 * t, 0.3 * h);
+  EXPECT_NEAR(landings[0].y, from[1] + 0.1 * t, 0.1 * h);
+  EXPECT_NEAR(landings[0].vz, v[2] - g * t, g * h);
+  EXPECT_EQ(landings[0].exit, static_cast<std::uint8_t>(Exit::end));
+  EXPECT_EQ(state.counts.landed, 1);
+  // The belt lies drop_height below the lowest point of the outlet's end.
+  const double incline = study.drum.inclination_deg * M_PI / 180;
+  EXPECT_NEAR(model.belt_height, -0.12 * std::sin(incline) - 0.12 * std::cos(incline) - study.belt.drop_height_m,
+              1e-12);
+}
+
+TEST(Drum, walls_carry_what_rests_on_them_with_their_own_speed) {
+  Study study = small_drum();
+  const DrumModel model(study, study.outlet);
+  const Pose now = model.pose(0.3), later = model.pose(0.3 + 1e-6);
+  const Eigen::Vector3d body(0.1, -0.05, 0.07);
+  const Eigen::Vector3d place = now.origin + now.rotation * body, moved = later.origin + later.rotation * body;
+  EXPECT_LT(((moved - place) / 1e-6 - now.wall_velocity(place)).norm(), 1e-5);
 }
 
 }  // namespace
