@@ -180,6 +180,44 @@ TEST(Simulate, json_is_complete_the_mass_balance_closes_and_it_agrees_with_the_s
   EXPECT_EQ(drumsweep(folder, {"simulate", "study.toml", "--at", "1,0.03", "-o", "one"}).code, 5);
 }
 
+TEST(Simulate, the_shipped_quick_drum_gets_steady_and_loses_no_ball) {
+  const TestFolder folder;
+  const std::string study = std::string(DRUMSWEEP_SOURCE_DIR) + "/schedules/quick.toml";
+  const Finished one = drumsweep(folder, {"simulate", study, "--at", "3,0.035", "-o", "one", "--json"});
+  ASSERT_EQ(one.code, 0) << one.err;
+  const Json json = JsonReader::parse(one.out);
+  EXPECT_EQ(json["lost_balls"].number, 0);
+  EXPECT_EQ(json["mass_balance"]["removed"].number, 0);
+  EXPECT_EQ(json["state"].text, "done");
+}
+
+TEST(Simulate, a_blocked_feed_is_said) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", replaced(tiny_study(), "rate_kg_s = ", "rate_kg_s = 9"));
+  const Finished one = drumsweep(folder, {"simulate", "study.toml", "-o", "one", "--json"});
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_EQ(JsonReader::parse(one.out)["state"].text, "untrusted");
+}
+
+TEST(Check, every_shipped_schedule_is_valid) {
+  const TestFolder folder;
+  int num = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(DRUMSWEEP_SOURCE_DIR) + "/schedules")) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_EQ(drumsweep(folder, {"check", entry.path().string()}).code, 0) << entry.path();
+    ++num;
+  }
+  EXPECT_GE(num, 3);
+}
+
+TEST(Check, one_quantity_twice_in_a_stage_is_refused) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", replaced(tiny_study(), "\"outlet.base_width_m\"", "\"outlet.opening_angle_rad\""));
+  const Finished result = drumsweep(folder, {"check", "study.toml"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("same quantity"), std::string::npos) << result.err;
+}
+
 TEST(Simulate, wrong_values_are_exit_2) {
   const TestFolder folder;
   write_text(folder / "study.toml", tiny_study());
