@@ -41,12 +41,12 @@ void find_wall_candidates(const DrumModel& model, const Balls& balls, const Pose
   out.triangles.clear();
   // A ball's centre moves along a segment in the drum's frame; what it can touch lies within `beyond` and its radius of
   // that segment.
-  const double horizon = model.study.solver.outer_step_s,
-               beyond = model.margin() + (model.search.extra_speed + gravity * horizon) * horizon;
+  const double horizon = model.study.solver.outer_step_s, beyond = model.margin() + model.search.extra_speed * horizon;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const Eigen::Vector3d from = pose.to_body(balls.position[i]);
-    const Eigen::Vector3d way =
-        pose.rotation.transpose() * ((balls.velocity[i] - pose.wall_velocity(balls.position[i])) * horizon);
+    Eigen::Vector3d moved = (balls.velocity[i] - pose.wall_velocity(balls.position[i])) * horizon;
+    moved[2] -= gravity * horizon * horizon;
+    const Eigen::Vector3d way = pose.rotation.transpose() * moved;
     const Eigen::Vector3d to = from + way;
     const auto begin = static_cast<std::uint32_t>(out.triangles.size());
     const Eigen::Vector3f p = from.cast<float>(), d = way.cast<float>();

@@ -22,7 +22,7 @@ DrumModel::DrumModel(const Study& s, const OutletConfig& outlet)
       wall(build_drum_wall(s, outlet)),
       grid(wall.mesh, std::max(2 * s.drum.mesh_resolution_m, s.material.diameter_m),
            (0.5 + s.solver.speculative_margin) * s.material.diameter_m +
-               (collision_change * wall_speed(s.drum) + gravity * s.solver.outer_step_s) * s.solver.outer_step_s) {
+               collision_change * wall_speed(s.drum) * s.solver.outer_step_s) {
   study.outlet = outlet;
   const double incline = s.drum.inclination_deg * std::numbers::pi / 180, c = std::cos(incline), i = std::sin(incline);
   tilt.col(0) = Eigen::Vector3d(1, 0, 0);
