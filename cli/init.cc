@@ -44,20 +44,22 @@ std::string file_name(const Schedule& schedule) {
 }
 
 void init(const Options& options) {
-  // Nothing is written unless everything can be.
   const std::vector<Schedule> list = schedules_of(options.preset);
-  for (const Schedule& schedule : list) {
-    const std::string path = options.folder + "/" + file_name(schedule);
+  const auto place = [&](const std::string& name) { return options.folder + "/" + name; };
+  const std::string reference = place(options.preset + "_all_keys.toml");
+
+  // Nothing is written unless everything can be.
+  std::vector<std::string> paths{reference};
+  for (const Schedule& schedule : list) paths.push_back(place(file_name(schedule)));
+  for (const std::string& path : paths) {
     std::error_code error;
     if (std::filesystem::exists(path, error))
       throw InputError(path + ": is there already and is not overwritten; choose another folder or remove it");
   }
-  const std::string reference = options.folder + "/" + options.preset + "_all_keys.toml";
   make_folder(options.folder);
   for (const Schedule& schedule : list) {
-    const std::string path = options.folder + "/" + file_name(schedule);
-    write_durably(path, schedule.text);
-    fmt::print("{}\n", path);
+    write_durably(place(file_name(schedule)), schedule.text);
+    fmt::print("{}\n", place(file_name(schedule)));
   }
   // The same study with every key, its help and its range.
   write_durably(reference, write_study(parse_study(list.front().text, file_name(list.front())), true));

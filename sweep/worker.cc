@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <exception>
 #include <optional>
-#include <utility>
 
 #include "core/config/toml_reader.h"
 #include "sweep/design_run.h"
@@ -25,7 +24,6 @@ struct Worker {
   Plan plan{};
   std::optional<WarmState> warm{};
   bool told_to_stop = false, gave_up = false;
-  std::exception_ptr trouble{};  ///< in serving, while a design was being simulated
 
   void give_up(const std::string& cause) {
     if (!gave_up) farm.send(0, Tag::broken, cause);
@@ -53,19 +51,20 @@ struct Worker {
   }
 
   void simulate(const std::string& body) {
+    std::exception_ptr trouble;
     DesignOutcome outcome{std::stoull(body), DesignOutcome::Kind::stopped, 0, 0, farm.host(), ""};
     if (!gave_up && !stop_requested())
-      outcome = simulate_and_store(paths, study, warm.value().state, plan, outcome.index, outcome.host,
-                                   [this](const Progress&) {
-                                     // What goes wrong in serving must not look like a failure of the design: it is carried around the engine.
-                                     try {
-                                       return go_on();
-                                     } catch (...) {
-                                       trouble = std::current_exception();
-                                       return false;
-                                     }
-                                   });
-    if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
+      outcome =
+          simulate_and_store(paths, study, warm.value().state, plan, outcome.index, outcome.host, [&](const Progress&) {
+            // What goes wrong in serving must not look like a failure of the design: it is carried around the engine.
+            try {
+              return go_on();
+            } catch (...) {
+              trouble = std::current_exception();
+              return false;
+            }
+          });
+    if (trouble) std::rethrow_exception(trouble);
     farm.send(0, Tag::done, pack_outcome(outcome));
   }
 
