@@ -25,5 +25,6 @@ void add_simulate(CLI::App& app, int& exit_code);
 void add_contour(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_picture(CLI::App& app, int& exit_code);
+void add_verify(CLI::App& app, int& exit_code);
 
 }  // namespace drumsweep

@@ -12,12 +12,13 @@
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
+#include "core/scene/scene.h"
 #include "sweep/store.h"
 
 namespace drumsweep {
 namespace {
 
-const std::vector<std::string> presets = {"quick", "lab2013", "plant"};
+const std::vector<std::string> presets = {"quick", "lab2013", "plant", "scenes"};
 
 std::vector<Schedule> schedules_of(const std::string& preset) {
   std::vector<Schedule> list;
@@ -39,32 +40,48 @@ struct Options {
 };
 
 std::string file_name(const Schedule& schedule) {
-  const std::string name = schedule.name;
+  const std::string name = std::filesystem::path(schedule.name).filename().string();
   return name.ends_with(".toml") ? name : name + ".toml";
+}
+
+/// The same file with every key, its help and its range.
+std::string explained(const Schedule& schedule) {
+  if (std::string(schedule.name).rfind("scenes/", 0) != 0)
+    return write_study(parse_study(schedule.text, file_name(schedule)), true);
+  SceneFile file = parse_scene(schedule.text, file_name(schedule));
+  return write_scene(file, true);
 }
 
 void init(const Options& options) {
   const std::vector<Schedule> list = schedules_of(options.preset);
-  const auto place = [&](const std::string& name) { return options.folder + "/" + name; };
-  const std::string reference = place(options.preset + "_all_keys.toml");
+  const bool scenes = options.preset == "scenes";
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const Schedule& schedule : list) files.emplace_back(file_name(schedule), schedule.text);
+  // One explanation serves all studies of a preset; each scene has keys of its own.
+  if (scenes)
+    for (const Schedule& schedule : list)
+      files.emplace_back(std::filesystem::path(file_name(schedule)).stem().string() + "_all_keys.toml",
+                         explained(schedule));
+  else
+    files.emplace_back(options.preset + "_all_keys.toml", explained(list.front()));
 
   // Nothing is written unless everything can be.
-  std::vector<std::string> paths{reference};
-  for (const Schedule& schedule : list) paths.push_back(place(file_name(schedule)));
-  for (const std::string& path : paths) {
+  for (const auto& [name, text] : files) {
     std::error_code error;
-    if (std::filesystem::exists(path, error))
-      throw InputError(path + ": is there already and is not overwritten; choose another folder or remove it");
+    if (std::filesystem::exists(options.folder + "/" + name, error))
+      throw InputError(options.folder + "/" + name +
+                       ": is there already and is not overwritten; choose another folder or remove it");
   }
   make_folder(options.folder);
-  for (const Schedule& schedule : list) {
-    write_durably(place(file_name(schedule)), schedule.text);
-    fmt::print("{}\n", place(file_name(schedule)));
+  for (const auto& [name, text] : files) {
+    write_durably(options.folder + "/" + name, text);
+    fmt::print("{}/{}{}\n", options.folder, name, name.ends_with("_all_keys.toml") ? " (every key, explained)" : "");
   }
-  // The same study with every key, its help and its range.
-  write_durably(reference, write_study(parse_study(list.front().text, file_name(list.front())), true));
-  fmt::print("{} (every key, explained)\n", reference);
-  fmt::print("next: drumsweep check {}/{}\n", options.folder, file_name(list.front()));
+  const std::string first = options.folder + "/" + file_name(list.front());
+  if (scenes)
+    fmt::print("next: drumsweep simulate {} -o result\n", first);
+  else
+    fmt::print("next: drumsweep check {}\n", first);
 }
 
 }  // namespace
@@ -72,7 +89,10 @@ void init(const Options& options) {
 void add_init(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("init", "Write commented study files that run as they are.");
-  command->add_option("--preset", options->preset, "which study: quick (two minutes), lab2013 (the published lab drum)")
+  command
+      ->add_option("--preset", options->preset,
+                   "which study: quick (two minutes), lab2013 (the published lab drum), scenes (small "
+                   "experiments for `simulate`)")
       ->check(CLI::IsMember(offered()))
       ->capture_default_str();
   command->add_option("DIR", options->folder, "folder for the files; made if it is not there")->required();

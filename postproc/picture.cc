@@ -72,16 +72,16 @@ std::string pov_scene(const DrumModel& model, const DrumState& state, const Pict
                      pov({2 * half, model.study.belt.width_m, model.belt_height}));
 
   // Wall: triangles that show their front.
-  out += fmt::format("mesh2 {{ vertex_vectors {{ {}", model.wall.mesh.vertices.size());
+  out += fmt::format("mesh2 {{ vertex_vectors {{ {}", model.mesh().vertices.size());
   std::vector<Eigen::Vector3d> placed;
-  placed.reserve(model.wall.mesh.vertices.size());
-  for (const Eigen::Vector3d& v : model.wall.mesh.vertices) {
+  placed.reserve(model.mesh().vertices.size());
+  for (const Eigen::Vector3d& v : model.mesh().vertices) {
     placed.push_back(pose.origin + pose.rotation * v);
     out += "," + pov(placed.back());
   }
   std::string faces;
   std::size_t num_faces = 0;
-  for (const auto& t : model.wall.mesh.triangles) {
+  for (const auto& t : model.mesh().triangles) {
     const Eigen::Vector3d &a = placed[static_cast<std::size_t>(t[0])], &b = placed[static_cast<std::size_t>(t[1])],
                           &c = placed[static_cast<std::size_t>(t[2])];
     if ((b - a).cross(c - a).dot(camera - a) <= 0) continue;

@@ -121,6 +121,13 @@ void Reporter::update(const Progress& run, const SweepCounts& counts) {
   show(std::min(1.0, all), (designs ? remaining(counts, fraction) : std::string()) + describe(run));
 }
 
+void Reporter::update(const SceneProgress& scene) {
+  if (!due()) return;
+  show(scene.end_s > 0 ? std::min(1.0, scene.time_s / scene.end_s) : 0,
+       fmt::format("{}: {:.3g} of at most {:.3g} s simulated, {} balls", scene.what, scene.time_s, scene.end_s,
+                   scene.balls));
+}
+
 void Reporter::update_waiting(const SweepCounts& counts) {
   if (!due()) return;
   show(static_cast<double>(counts.done) / static_cast<double>(std::max<std::size_t>(1, counts.total)),

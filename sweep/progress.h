@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/scene/drum.h"
+#include "core/scene/scene.h"
 
 namespace spdlog {
 class logger;
@@ -44,6 +45,7 @@ class Reporter {
 
   /// To be called after every step; acts five times a second on a terminal, once a minute elsewhere.
   void update(const Progress& run, const SweepCounts& counts);
+  void update(const SceneProgress& scene);
   /// The same for a rank that waits for others.
   void update_waiting(const SweepCounts& counts);
   /// Takes the bar off the terminal.

@@ -123,14 +123,6 @@ std::vector<Observable> observables(const Study& base, const PlannedDesign& desi
   return list;
 }
 
-std::string observables_csv(const std::vector<Observable>& list) {
-  std::string csv = "name,position_m,value,sigma,unit\n";
-  for (const Observable& o : list)
-    csv += fmt::format("{},{},{},{},{}\n", o.name, csv_number(o.position), csv_number(o.value), csv_number(o.sigma),
-                       o.unit);
-  return csv;
-}
-
 SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,
                                Reporter& reporter) {
   SingleDesign out;

@@ -6,19 +6,11 @@
 #include <vector>
 
 #include "core/scene/drum.h"
+#include "core/scene/observable.h"
 #include "sweep/designs.h"
 #include "sweep/progress.h"
 
 namespace drumsweep {
-
-/// A number that can be compared with a measurement.
-struct Observable {
-  std::string name;
-  double position;  ///< across the belt [m], NaN for a number without a place
-  double value;
-  double sigma;  ///< standard error, NaN where it is not estimated
-  std::string unit;
-};
 
 struct SingleDesign {
   PlannedDesign design;
@@ -41,9 +33,6 @@ PlannedDesign design_at(const Study& study, const std::vector<double>& values);
 /// f in both windows, height of the bed across the belt, shares of the outflow, holdup, lost balls. Standard errors: of f
 /// and heights from blocks of one slot's passage (postproc/objective.h), of shares from whole turns; none from one turn.
 std::vector<Observable> observables(const Study& study, const PlannedDesign& design, const Recording& recording);
-
-/// "name,position_m,value,sigma,unit".
-std::string observables_csv(const std::vector<Observable>& list);
 
 /// Runs it in a folder of its own: FOLDER/warm_state.h5 is used where it fits and made where it is not, FOLDER/ID.h5
 /// and FOLDER/ID_observables.csv are written. @throws InputError, MismatchError, LockHeldError, WriteError

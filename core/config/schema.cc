@@ -6,48 +6,97 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/config/field_table.h"
+
 namespace drumsweep {
-namespace {
+void add_physics_fields(Physics& s, std::vector<Field>& list) {
+  MaterialConfig& m = s.material;
+  FieldTable material{list, "material.", Scope::warm_state};
+  material.number("diameter_m", m.diameter_m, 1e-4, 1, "of a ball; the mean where sizes differ");
+  material.number("density_kg_m3", m.density_kg_m3, 1, 50000, "of a ball");
+  material.number("friction", m.friction, 0, 10, "Coulomb coefficient between balls");
+  material.number("wall_friction", m.wall_friction, 0, 10, "against walls; left out: as between balls", true);
+  material.number("restitution", m.restitution, 0, 1, "of fast collisions between balls (solver.impact_speed_m_s)");
+  material.number("wall_restitution", m.wall_restitution, 0, 1, "against walls; left out: as between balls", true);
+  material.number("stiffness_N_m15", m.stiffness_N_m15, 1, 1e15,
+                  "k of Hertz' law f = k (g^1.5 + c g^0.5 dg/dt), overlap g");
+  material.number("damping_s", m.damping_s, 0, 10, "c of the same");
+  material.number("youngs_modulus_Pa", m.youngs_modulus_Pa, 1e3, 1e13,
+                  "of a ball; where given, k = 4/3 E* sqrt(R*) in place of stiffness_N_m15", true);
+  material.number("poisson_ratio", m.poisson_ratio, 0, 0.5, "of a ball");
+  material.number("wall_youngs_modulus_Pa", m.wall_youngs_modulus_Pa, 1e3, 1e13,
+                  "left out: a rigid wall; only with youngs_modulus_Pa", true);
+  material.number("wall_poisson_ratio", m.wall_poisson_ratio, 0, 0.5, "of the wall");
 
-constexpr double unbounded = std::numeric_limits<double>::infinity();
+  EffectsConfig& e = s.effects;
+  FieldTable effects{list, "effects.", Scope::warm_state};
+  effects.number("rolling_friction", e.rolling_friction, 0, 10,
+                 "rolling resistance: torque up to this times radius times normal force; 0 = off");
+  effects.number("wall_rolling_friction", e.wall_rolling_friction, 0, 10, "against walls; left out: the same", true);
+  effects.number("twisting_friction", e.twisting_friction, 0, 10,
+                 "twisting resistance: torque about the normal up to this times radius times normal force; 0 = off");
+  effects.number("wall_twisting_friction", e.wall_twisting_friction, 0, 10, "against walls; left out: the same", true);
+  effects.number("cohesion_force_N", e.cohesion_force_N, 0, 1e6,
+                 "cohesion (moisture): pull-off force of two balls of the mean diameter; 0 = off");
+  effects.number("wall_cohesion_force_N", e.wall_cohesion_force_N, 0, 1e6, "from walls; left out: the same", true);
+  effects.number("cohesion_range_m", e.cohesion_range_m, 0, 0.1, "gap at which cohesion has fallen to nothing");
+  effects.text("size_distribution", e.size_distribution, {"lognormal", "normal"}, "of the diameters");
+  effects.number("size_spread", e.size_spread, 0, 0.5,
+                 "standard deviation of the diameters over their mean; 0 = all alike");
+  effects.number("size_cut", e.size_cut, 0.1, 4, "diameters farther than this many standard deviations are not drawn");
+  effects.number("outlet_coating_m", e.outlet_coating_m, 0, 1,
+                 "thickness of fines on the outlet's walls: narrows each slot by twice that; 0 = clean");
+  effects.number("drum_coating_m", e.drum_coating_m, 0, 1, "the same on the drum's wall");
+  effects.number("dynamic_friction", e.dynamic_friction, 0, 10,
+                 "friction of fast sliding, mu(v) = dynamic + (friction - dynamic) exp(-v / friction_speed_m_s)", true);
+  effects.number("friction_speed_m_s", e.friction_speed_m_s, 1e-6, 100, "of the same");
+  effects.number("air_density_kg_m3", e.air_density_kg_m3, 0, 100, "air drag, 1.2 in air; 0 = off");
+  effects.number("drag_coefficient", e.drag_coefficient, 0, 100, "of a ball in the air");
+  effects.number("texture_height_scale", e.texture_height_scale, 0, 10, "multiplies the heights of drum.texture");
 
-/// Collects the fields of one table under its name.
-struct Table {
-  std::vector<Field>& list;
-  std::string name;
-  Scope scope;
+  FieldTable step{list, "step.", Scope::warm_state};
+  step.text("method", s.step.method, {"nonsmooth", "smooth"},
+            "nonsmooth: impulses from a complementarity problem; smooth: explicit Hertz-Mindlin forces, the reference");
+  step.number("steps_per_contact", s.step.steps_per_contact, 5, 1000,
+              "smooth: time steps in the contact time of a collision ...");
+  step.number("contact_speed_m_s", s.step.contact_speed_m_s, 1e-3, 100, "... at this speed");
 
-  void number(const char* key, double& value, double low, double high, const char* help, bool optional = false) {
-    list.push_back({name + key, &value, low, high, optional, {}, scope, help});
-  }
-  void count(const char* key, std::int64_t& value, double low, double high, const char* help) {
-    list.push_back({name + key, &value, low, high, false, {}, scope, help});
-  }
-  void flag(const char* key, bool& value, const char* help) {
-    list.push_back({name + key, &value, -unbounded, unbounded, false, {}, scope, help});
-  }
-  void text(const char* key, std::string& value, std::vector<std::string> choices, const char* help) {
-    list.push_back({name + key, &value, -unbounded, unbounded, false, std::move(choices), scope, help});
-  }
-};
-
-}  // namespace
+  FieldTable solver{list, "solver.", Scope::warm_state};
+  solver.number("outer_step_s", s.solver.outer_step_s, 1e-7, 0.1, "contact search and feed once per outer step");
+  solver.count("sub_steps", s.solver.sub_steps, 1, 1000, "time steps per outer step (smooth: found from the contact)");
+  solver.count("iterations", s.solver.iterations, 1, 100000, "Gauss-Seidel passes per time step");
+  list.back().or_auto = true;
+  solver.number("residual_target_m_s", s.solver.residual_target_m_s, 1e-9, 10,
+                "iterations = \"auto\" goes on to this mean residual ...");
+  solver.count("max_iterations", s.solver.max_iterations, 1, 1000000, "... or to this many passes");
+  solver.scope = Scope::evaluation;
+  solver.number("residual_limit_m_s", s.solver.residual_limit_m_s, 0, 100,
+                "a design whose mean residual is above it is marked untrusted");
+  solver.scope = Scope::warm_state;
+  solver.number("speculative_margin", s.solver.speculative_margin, 0, 1,
+                "contact rows for gaps up to this fraction of a ball diameter");
+  solver.number("impact_speed_m_s", s.solver.impact_speed_m_s, 0, 100,
+                "a faster approach is an impact, with material.restitution");
+  solver.number("stabilization_steps", s.solver.stabilization_steps, 0, 100,
+                "least relaxation time of an overlap, in time steps");
+  solver.flag("warm_start", s.solver.warm_start, "start from the last step's impulses");
+}
 
 std::vector<Field> fields(Study& s) {
   std::vector<Field> list;
-  Table top{list, "", Scope::label};
+  FieldTable top{list, "", Scope::label};
   top.text("name", s.name, {}, "title in figures and reports");
   top.scope = Scope::warm_state;
   top.count("seed", s.seed, 0, 9007199254740992.0,
             "of texture and feed; the same study and seed give the same table, bit for bit");
 
-  Table drum{list, "drum.", Scope::warm_state};
+  FieldTable drum{list, "drum.", Scope::warm_state};
   drum.number("diameter_m", s.drum.diameter_m, 0.02, 20, "inner diameter");
   drum.number("length_m", s.drum.length_m, 0.02, 100, "from the closed upper end to the outlet");
   drum.number("inclination_deg", s.drum.inclination_deg, 0, 45, "of the axis, downhill towards the outlet");
   drum.number("angular_velocity_rad_s", s.drum.angular_velocity_rad_s, 0.01, 50, "of drum and outlet");
   drum.number("mesh_resolution_m", s.drum.mesh_resolution_m, 0.001, 1, "edge length of the wall's triangles");
-  Table texture{list, "drum.texture.", Scope::warm_state};
+  FieldTable texture{list, "drum.texture.", Scope::warm_state};
   texture.number("density_1_m2", s.drum.texture.density_1_m2, 0, 1e5, "Gaussian bumps per area of wall; 0 = smooth");
   texture.number("height_min_m", s.drum.texture.height_min_m, 0, 1, "bump heights are uniform between these two");
   texture.number("height_max_m", s.drum.texture.height_max_m, 0, 1, "");
@@ -57,7 +106,7 @@ std::vector<Field> fields(Study& s) {
                "the width is one or two standard deviations");
 
   // The outlet in [outlet] serves the warm-up unless [warmup] names another.
-  Table outlet{list, "outlet.", Scope::warm_state};
+  FieldTable outlet{list, "outlet.", Scope::warm_state};
   outlet.number("length_m", s.outlet.length_m, 0.01, 50, "along the axis");
   outlet.number("opening_angle_deg", s.outlet.opening_angle_deg, 0, 120,
                 "full angle by which a slot widens; give it in deg or in rad", true);
@@ -71,7 +120,7 @@ std::vector<Field> fields(Study& s) {
   outlet.text("distance_along", s.outlet.distance_along, {"axis", "bisector"},
               "what the distance s in width(s) = base + 2 s tan(angle/2) runs along");
 
-  Table belt{list, "belt.", Scope::recording};
+  FieldTable belt{list, "belt.", Scope::recording};
   belt.number("width_m", s.belt.width_m, 0.02, 50, "across, along the projected drum axis");
   belt.scope = Scope::evaluation;
   belt.number("speed_m_s", s.belt.speed_m_s, 1e-3, 20, "across the drum axis");
@@ -82,33 +131,15 @@ std::vector<Field> fields(Study& s) {
   belt.text("edge", s.belt.edge, {"skirt", "open"},
             "skirt: what lands past an edge slides back inside; open: it is spilled");
 
-  Table feed{list, "feed.", Scope::warm_state};
+  FieldTable feed{list, "feed.", Scope::warm_state};
   feed.number("rate_kg_s", s.feed.rate_kg_s, 0, 1e5, "mass flow into the upper end");
   feed.number("zone_begin_m", s.feed.zone_begin_m, 0, 100, "from the upper end, along the axis");
   feed.number("zone_length_m", s.feed.zone_length_m, 0.001, 100, "along the axis");
   feed.number("zone_width_m", s.feed.zone_width_m, 0.001, 20, "across, centred under the axis");
 
-  Table material{list, "material.", Scope::warm_state};
-  material.number("diameter_m", s.material.diameter_m, 1e-4, 1, "of a ball");
-  material.number("density_kg_m3", s.material.density_kg_m3, 1, 50000, "of a ball");
-  material.number("friction", s.material.friction, 0, 10, "Coulomb coefficient, ball-ball and ball-wall");
-  material.number("stiffness_N_m15", s.material.stiffness_N_m15, 1, 1e15,
-                  "k of Hertz' law f = k (g^1.5 + c g^0.5 dg/dt), overlap g");
-  material.number("damping_s", s.material.damping_s, 0, 10, "c of the same");
+  add_physics_fields(s, list);
 
-  Table solver{list, "solver.", Scope::warm_state};
-  solver.number("outer_step_s", s.solver.outer_step_s, 1e-7, 0.1, "contact search and feed once per outer step");
-  solver.count("sub_steps", s.solver.sub_steps, 1, 1000, "time steps per outer step");
-  solver.count("iterations", s.solver.iterations, 1, 100000, "Gauss-Seidel passes per time step");
-  solver.number("speculative_margin", s.solver.speculative_margin, 0, 1,
-                "contact rows for gaps up to this fraction of a ball diameter");
-  solver.number("impact_speed_m_s", s.solver.impact_speed_m_s, 0, 100,
-                "a faster approach is an impact, with zero restitution");
-  solver.number("stabilization_steps", s.solver.stabilization_steps, 0, 100,
-                "least relaxation time of an overlap, in time steps");
-  solver.flag("warm_start", s.solver.warm_start, "start from the last step's impulses");
-
-  Table warmup{list, "warmup.", Scope::warm_state};
+  FieldTable warmup{list, "warmup.", Scope::warm_state};
   warmup.number("window_turns", s.warmup.window_turns, 0.25, 1000,
                 "inflow and outflow are compared over windows of this many turns");
   warmup.number("tolerance", s.warmup.tolerance, 1e-4, 1, "steady when |in - out| <= tolerance * in ...");
@@ -119,11 +150,11 @@ std::vector<Field> fields(Study& s) {
   warmup.number("opening_angle_rad", s.warmup.opening_angle_rad, 0, 2, "the same in rad", true);
   warmup.number("base_width_m", s.warmup.base_width_m, 0.001, 10, "", true);
 
-  Table record{list, "record.", Scope::recording};
+  FieldTable record{list, "record.", Scope::recording};
   record.number("adapt_turns", s.record.adapt_turns, 0, 1e5, "after the outlet was swapped, before recording");
   record.number("turns", s.record.turns, 1, 1e5, "whole turns recorded");
 
-  Table objective{list, "objective.", Scope::evaluation};
+  FieldTable objective{list, "objective.", Scope::evaluation};
   objective.text("window", s.objective.window, {"belt", "footprint"}, "part of the belt that f_m looks at");
   objective.text("weights", s.objective.weights, {"decaying", "growing", "uniform"},
                  "of mode n: 2^-(n-1), 2^(n-1) as printed in S1, 1");
@@ -137,12 +168,15 @@ std::vector<Field> fields(Study& s) {
 
 std::string to_toml(const Field& field) {
   struct {
+    bool or_auto;
     std::string operator()(const double* v) const {
       std::string text = fmt::format("{}", *v);
       if (std::isfinite(*v) && text.find_first_of(".e") == std::string::npos) text += ".0";
       return text;
     }
-    std::string operator()(const std::int64_t* v) const { return fmt::format("{}", *v); }
+    std::string operator()(const std::int64_t* v) const {
+      return or_auto && *v == 0 ? "\"auto\"" : fmt::format("{}", *v);
+    }
     std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
     std::string operator()(const std::string* v) const {
       std::string out = "\"";
@@ -156,7 +190,7 @@ std::string to_toml(const Field& field) {
       }
       return out + '"';
     }
-  } print;
+  } print{field.or_auto};
   return std::visit(print, field.value);
 }
 
@@ -165,7 +199,8 @@ std::string accepted(const Field& field) {
   if (std::holds_alternative<std::string*>(field.value))
     return field.choices.empty() ? "any text" : fmt::format("{}", fmt::join(field.choices, " | "));
   const bool whole = std::holds_alternative<std::int64_t*>(field.value);
-  return fmt::format("{}{} to {}", whole ? "whole number, " : "", field.low, field.high);
+  return fmt::format("{}{} to {}{}", whole ? "whole number, " : "", field.low, field.high,
+                     field.or_auto ? ", or \"auto\"" : "");
 }
 
 namespace {
@@ -176,14 +211,15 @@ std::string complaint(const Field& field) {
   bool bad = false;
   if (const auto* const* d = std::get_if<double*>(&field.value))
     bad = !(field.optional && std::isnan(**d)) && out_of_range(**d);
-  if (const auto* const* i = std::get_if<std::int64_t*>(&field.value)) bad = out_of_range(static_cast<double>(**i));
+  if (const auto* const* i = std::get_if<std::int64_t*>(&field.value))
+    bad = out_of_range(static_cast<double>(**i)) && !(field.or_auto && **i == 0);
   if (const auto* const* t = std::get_if<std::string*>(&field.value))
     bad = !field.choices.empty() && std::find(field.choices.begin(), field.choices.end(), **t) == field.choices.end();
   return bad ? fmt::format("{} = {}: accepted is {}", field.key, to_toml(field), accepted(field)) : "";
 }
 
-void check_outlet(const OutletConfig& outlet, const DrumConfig& drum, const std::string& table,
-                  const std::function<std::string(const std::string&)>& where) {
+void check_outlet(const OutletConfig& outlet, const DrumConfig& drum, double coating, const std::string& table,
+                  const Where& where) {
   const auto fail = [&](const char* key, const std::string& text) {
     throw InputError(where(table + key) + table + key + ": " + text);
   };
@@ -192,6 +228,11 @@ void check_outlet(const OutletConfig& outlet, const DrumConfig& drum, const std:
     fail("opening_angle_deg",
          deg ? "given in deg and in rad; give one of the two"
              : "missing; give opening_angle_deg or opening_angle_rad (the unit is part of the key)");
+  if (!(outlet.base_width_m - 2 * coating >= 0.001))
+    fail("base_width_m",
+         fmt::format("slots {} m wide are closed by effects.outlet_coating_m = {}: accepted is at least "
+                     "1 mm more than twice the coating",
+                     outlet.base_width_m, coating));
   // Slots must leave some wall between them up to the outlet's end.
   const double along = outlet.distance_along == "axis"
                            ? outlet.length_m
@@ -209,11 +250,30 @@ void check_outlet(const OutletConfig& outlet, const DrumConfig& drum, const std:
 
 }  // namespace
 
-void validate(const Study& study, const std::function<std::string(const std::string&)>& where_or_empty) {
-  const auto where = where_or_empty ? where_or_empty : [](const std::string&) { return std::string(); };
-  Study copy = study;
-  for (const Field& field : fields(copy))
+void validate_values(const std::vector<Field>& list, const Where& where) {
+  for (const Field& field : list)
     if (const std::string text = complaint(field); !text.empty()) throw InputError(where(field.key) + text);
+}
+
+void validate_physics(const Physics& p, const Where& where) {
+  const auto need = [&](bool ok, const char* key, const std::string& text) {
+    if (!ok) throw InputError(where(key) + key + ": " + text);
+  };
+  const auto given = [](double v) { return !std::isnan(v); };
+  need(!given(p.material.wall_youngs_modulus_Pa) || given(p.material.youngs_modulus_Pa),
+       "material.wall_youngs_modulus_Pa", "needs material.youngs_modulus_Pa beside it");
+  const EffectsConfig& e = p.effects;
+  need(e.size_spread * e.size_cut < 0.9 || e.size_distribution == "lognormal", "effects.size_spread",
+       fmt::format("{} with size_cut {} draws diameters near zero: accepted is size_spread * size_cut below 0.9",
+                   e.size_spread, e.size_cut));
+  need(!given(e.dynamic_friction) || e.dynamic_friction <= p.material.friction, "effects.dynamic_friction",
+       fmt::format("{} is above material.friction = {}", e.dynamic_friction, p.material.friction));
+}
+
+void validate(const Study& study, const Where& where_or_empty) {
+  const Where where = where_or_empty ? where_or_empty : [](const std::string&) { return std::string(); };
+  Study copy = study;
+  validate_values(fields(copy), where);
 
   const auto need = [&](bool ok, const char* key, const std::string& text) {
     if (!ok) throw InputError(where(key) + key + ": " + text);
@@ -235,8 +295,9 @@ void validate(const Study& study, const std::function<std::string(const std::str
   need(study.feed.zone_width_m <= 0.9 * study.drum.diameter_m, "feed.zone_width_m",
        fmt::format("{} m does not fit into a drum of {} m: accepted is up to 0.9 of the diameter",
                    study.feed.zone_width_m, study.drum.diameter_m));
-  check_outlet(study.outlet, study.drum, "outlet.", where);
-  check_outlet(warmup_outlet(study), study.drum, "outlet.", where);
+  check_outlet(study.outlet, study.drum, study.effects.outlet_coating_m, "outlet.", where);
+  check_outlet(warmup_outlet(study), study.drum, study.effects.outlet_coating_m, "outlet.", where);
+  validate_physics(study, where);
   need(study.record.turns == std::floor(study.record.turns), "record.turns",
        "whole turns only, so that every slot counts alike");
 

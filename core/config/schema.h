@@ -36,7 +36,18 @@ struct Field {
   std::vector<std::string> choices;  ///< accepted values of a text
   Scope scope = Scope::label;
   std::string help;
+  bool or_auto = false;  ///< a whole number for which "auto" may stand; stored as 0
 };
+
+/// Gives the place of a key in its file, "file:line:column: ", for messages.
+using Where = std::function<std::string(const std::string& key)>;
+
+/// The keys of [material], [effects], [step] and [solver], which studies and scenes share.
+void add_physics_fields(Physics& physics, std::vector<Field>& list);
+
+/// Checks each value against its own range, and what the shared tables must satisfy together. @throws InputError
+void validate_values(const std::vector<Field>& list, const Where& where);
+void validate_physics(const Physics& physics, const Where& where);
 
 /// All keys but the stages, in the order of the file.
 std::vector<Field> fields(Study& study);
@@ -49,7 +60,7 @@ std::string accepted(const Field& field);
 
 /// Checks every value against its range and the study as a whole (exactly one opening angle, slots do not overlap ...).
 /// @throws InputError naming the key, its value and the accepted range; `where(key)` gives the place in the file.
-void validate(const Study& study, const std::function<std::string(const std::string& key)>& where = {});
+void validate(const Study& study, const Where& where = {});
 
 /// Sets the number at `key`, converting the outlet's angle where the other unit was given.
 /// @throws InputError for an unknown key or a value out of range.

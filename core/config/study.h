@@ -60,22 +60,69 @@ struct FeedConfig {
   double zone_width_m = 0.30;   ///< across, centred under the axis
 };
 
+/// Balls and their contacts. A number for the wall that is not given is that of the balls.
 struct MaterialConfig {
   double diameter_m = 0.010;
   double density_kg_m3 = 2500.0;
   double friction = 0.7;
-  double stiffness_N_m15 = 25000.0;  ///< k of Hertz' law f = k (g^1.5 + c g^0.5 dg/dt)
+  double wall_friction = not_given;
+  double restitution = 0.0;  ///< Newton's e, of approaches faster than solver.impact_speed_m_s
+  double wall_restitution = not_given;
+  double stiffness_N_m15 = 25000.0;  ///< k of Hertz' law f = k (g^1.5 + c g^0.5 dg/dt), for balls of the mean diameter
   double damping_s = 0.02;           ///< c of the same
+  double youngs_modulus_Pa = not_given;  ///< where given, k follows from it
+  double poisson_ratio = 0.3;
+  double wall_youngs_modulus_Pa = not_given;  ///< not given: a rigid wall
+  double wall_poisson_ratio = 0.3;
+};
+
+/// What the plain model leaves out, each neutral by default. One entry of effect_catalogue() each; core/effects has the physics.
+struct EffectsConfig {
+  double rolling_friction = 0.0;
+  double wall_rolling_friction = not_given;
+  double twisting_friction = 0.0;
+  double wall_twisting_friction = not_given;
+  double cohesion_force_N = 0.0;
+  double wall_cohesion_force_N = not_given;
+  double cohesion_range_m = 0.0005;
+  std::string size_distribution = "lognormal";
+  double size_spread = 0.0;
+  double size_cut = 2.5;
+  double outlet_coating_m = 0.0;
+  double drum_coating_m = 0.0;
+  double dynamic_friction = not_given;
+  double friction_speed_m_s = 0.1;
+  double air_density_kg_m3 = 0.0;
+  double drag_coefficient = 0.44;
+  double texture_height_scale = 1.0;
+};
+
+struct StepConfig {
+  std::string method = "nonsmooth";  ///< or "smooth": explicit Hertz-Mindlin forces, core/step/smooth_step.h
+  double steps_per_contact = 25.0;   ///< smooth: time steps in the contact time of a collision at contact_speed_m_s
+  double contact_speed_m_s = 1.0;
 };
 
 struct SolverConfig {
-  double outer_step_s = 0.004;       ///< contact search and feed once per outer step
-  std::int64_t sub_steps = 2;        ///< gaps and normals refreshed, solved and advanced this often per outer step
-  std::int64_t iterations = 5;       ///< projected Gauss-Seidel passes per sub-step
-  double speculative_margin = 0.1;   ///< rows for gaps up to this fraction of the largest ball diameter
-  double impact_speed_m_s = 0.05;    ///< a faster approach is an impact (zero restitution)
-  double stabilization_steps = 2.0;  ///< n_s: the least relaxation time of an overlap, in sub-steps
+  double outer_step_s = 0.004;         ///< contact search and feed once per outer step
+  std::int64_t sub_steps = 2;          ///< gaps and normals refreshed, solved and advanced this often per outer step
+  std::int64_t iterations = 5;         ///< projected Gauss-Seidel passes per sub-step; 0 = "auto"
+  double residual_target_m_s = 0.001;  ///< iterations = "auto" goes on to this mean residual ...
+  std::int64_t max_iterations = 2000;  ///< ... or to this many passes
+  double residual_limit_m_s = 0.05;    ///< a design whose mean residual is above it is untrusted
+  double speculative_margin = 0.1;     ///< rows for gaps up to this fraction of the largest ball diameter
+  double impact_speed_m_s = 0.05;      ///< a faster approach is an impact
+  double stabilization_steps = 2.0;    ///< n_s: the least relaxation time of an overlap, in sub-steps
   bool warm_start = true;
+};
+
+/// What every scene needs: balls, contacts, effects and how they are computed.
+struct Physics {
+  std::int64_t seed = 1;
+  MaterialConfig material;
+  EffectsConfig effects;
+  StepConfig step;
+  SolverConfig solver;
 };
 
 struct WarmupConfig {
@@ -117,15 +164,12 @@ struct StageConfig {
   std::vector<StageVariable> variables;
 };
 
-struct Study {
+struct Study : Physics {
   std::string name = "study";
-  std::int64_t seed = 1;
   DrumConfig drum;
   OutletConfig outlet;
   BeltConfig belt;
   FeedConfig feed;
-  MaterialConfig material;
-  SolverConfig solver;
   WarmupConfig warmup;
   RecordConfig record;
   ObjectiveConfig objective;

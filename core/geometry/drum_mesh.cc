@@ -57,11 +57,17 @@ int intervals(double length, double resolution) {
 
 DrumWall build_drum_wall(const Study& study, const OutletConfig& outlet_config) {
   const DrumConfig& drum = study.drum;
-  const OutletShape shape = outlet_shape(drum, outlet_config);
-  Builder build{{}, shape.radius, shape.circumference()};
+  const EffectsConfig& effects = study.effects;
+  const OutletShape shape = outlet_shape(drum, outlet_config, effects.outlet_coating_m);
+  Builder build{DrumWall{}, shape.radius, shape.circumference()};
   build.wall.outlet = shape;
-  build.wall.texture.add(drum.texture, shape.circumference(), -drum.length_m, 0, study.seed, Purpose::texture_drum);
-  build.wall.texture.add(drum.texture, shape.circumference(), 0, shape.length, study.seed, Purpose::texture_outlet);
+  Texture& texture = build.wall.texture;
+  texture.add(drum.texture, effects.texture_height_scale, shape.circumference(), -drum.length_m, 0, study.seed,
+              Purpose::texture_drum);
+  texture.add(drum.texture, effects.texture_height_scale, shape.circumference(), 0, shape.length, study.seed,
+              Purpose::texture_outlet);
+  texture.add_coating(-drum.length_m, effects.drum_coating_m);
+  if (effects.drum_coating_m > 0 || effects.outlet_coating_m > 0) texture.add_coating(0, effects.outlet_coating_m);
   const double resolution = drum.mesh_resolution_m;
 
   // Drum: closed rings of equally spaced vertices, from the upper end to one row short of the outlet.

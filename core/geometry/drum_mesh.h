@@ -10,11 +10,15 @@
 
 namespace drumsweep {
 
-struct DrumWall {
-  TriangleMesh mesh;  ///< front sides face the axis
+/// What the mesh was made from.
+struct DrumSurface {
   OutletShape outlet;
   Texture texture;
-  double highest_bump = 0;  ///< of all vertices over the smooth cylinder [m]
+  double highest_bump = 0;  ///< of all vertices over the smooth cylinder, coating included [m]
+};
+
+struct DrumWall : DrumSurface {
+  TriangleMesh mesh;  ///< front sides face the axis
 };
 
 /// Vertices lie exactly on the edges of the slots (no staircase); the drum's part does not depend on the outlet's slots

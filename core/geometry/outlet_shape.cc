@@ -17,12 +17,12 @@ OutletShape::Nearest OutletShape::nearest_slot(double s, double u) const {
   return {slot, std::abs(from_first - k * pitch) - 0.5 * width(s)};
 }
 
-OutletShape outlet_shape(const DrumConfig& drum, const OutletConfig& outlet) {
+OutletShape outlet_shape(const DrumConfig& drum, const OutletConfig& outlet, double coating) {
   OutletShape shape;
   shape.radius = 0.5 * drum.diameter_m;
   shape.length = outlet.length_m;
   shape.num_slots = static_cast<int>(outlet.num_slots);
-  shape.base_width = outlet.base_width_m;
+  shape.base_width = outlet.base_width_m - 2 * coating;
   const double lean = std::tan(outlet.bisector_angle_deg * std::numbers::pi / 180);
   shape.lean = outlet.bisector_sense == "with_rotation" ? lean : -lean;
   // Along the bisector the same slot is 1 / cos longer, so it widens by that much more per axial distance.

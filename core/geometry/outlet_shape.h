@@ -27,6 +27,7 @@ struct OutletShape {
   Nearest nearest_slot(double s, double u) const;
 };
 
-OutletShape outlet_shape(const DrumConfig& drum, const OutletConfig& outlet);
+/// @param coating  thickness of what sticks to the edges of the slots; each is narrower by twice that [m]
+OutletShape outlet_shape(const DrumConfig& drum, const OutletConfig& outlet, double coating);
 
 }  // namespace drumsweep

@@ -9,8 +9,8 @@ namespace {
 constexpr double cut_off = 5.0;  // standard deviations; the step there is 4e-6 of a bump's height
 }
 
-void Texture::add(const TextureConfig& config, double circumference, double begin, double end, std::int64_t seed,
-                  Purpose purpose) {
+void Texture::add(const TextureConfig& config, double scale, double circumference, double begin, double end,
+                  std::int64_t seed, Purpose purpose, bool periodic) {
   circumference_ = circumference;
   const auto count = static_cast<std::uint64_t>(std::llround(config.density_1_m2 * circumference * (end - begin)));
   const double sigma_per_width = config.width_is == "sigma" ? 1.0 : 0.5;
@@ -18,8 +18,15 @@ void Texture::add(const TextureConfig& config, double circumference, double begi
     const auto r = uniform4(seed, purpose, i);
     const double width = config.width_min_m + r[3] * (config.width_max_m - config.width_min_m);
     bumps_.push_back({r[0] * circumference, begin + r[1] * (end - begin),
-                      config.height_min_m + r[2] * (config.height_max_m - config.height_min_m),
+                      scale * (config.height_min_m + r[2] * (config.height_max_m - config.height_min_m)),
                       sigma_per_width * width});
+    if (!periodic) continue;
+    Bump image = bumps_.back();
+    const double at = image.s, beyond = 2 * cut_off * image.sigma;
+    for (const double shift : {begin - end, end - begin}) {
+      image.s = at + shift;
+      if (image.s > begin - beyond && image.s < end + beyond) bumps_.push_back(image);
+    }
   }
   bin();
 }
@@ -44,14 +51,23 @@ void Texture::bin() {
   }
 }
 
+void Texture::add_coating(double begin, double thickness) { coatings_.push_back({begin, thickness}); }
+
+double Texture::coating(double s) const {
+  double thickness = 0;
+  for (const Coating& c : coatings_)
+    if (s >= c.begin) thickness = c.thickness;
+  return thickness;
+}
+
 double Texture::height(double u, double s) const {
-  if (bumps_.empty()) return 0.0;
+  if (bumps_.empty()) return coating(s);
   u -= circumference_ * std::floor(u / circumference_);
   const auto cu =
       static_cast<long>(std::min(static_cast<double>(num_u_ - 1), u / circumference_ * static_cast<double>(num_u_)));
   const auto cs = static_cast<long>(std::floor((s - begin_) / reach_));
   const long width = static_cast<long>(num_u_), length = static_cast<long>(num_s_);
-  double sum = 0;
+  double sum = coating(s);
   for (long is = std::max(0L, cs - 1); is <= std::min(length - 1, cs + 1); ++is) {
     // Around the drum the cells wrap; with fewer than three each is visited once.
     for (long k = 0; k < std::min(3L, width); ++k) {

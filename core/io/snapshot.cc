@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* warm_kind = "warm_state";
 constexpr const char* recording_kind = "recording";
-constexpr int warm_layout = 1;
+constexpr int warm_layout = 2;
 constexpr int recording_layout = 1;
 
 /// Study without its stages: what a state or a recording may depend on.
@@ -44,6 +44,11 @@ Counts read_counts(const Hdf5Reader& file) {
   return {file.integer("fed"), file.integer("landed"), file.integer("spilled"), file.integer("removed")};
 }
 
+/// Turns of rolling and twisting resistance, or nothing when there are none.
+void append_turn(std::vector<float>& list, const std::vector<Turn>& turns, std::size_t i) {
+  if (i < turns.size()) list.insert(list.end(), turns[i].begin(), turns[i].end());
+}
+
 void write_state(Hdf5Writer& file, const DrumState& s) {
   file.attribute("num_steps", s.num_steps);
   file.attribute("feed_debt_kg", s.feed_debt_kg);
@@ -57,13 +62,17 @@ void write_state(Hdf5Writer& file, const DrumState& s) {
 
   // Only pairs that press carry an impulse to the next step.
   std::vector<std::uint32_t> pair, ball;
-  std::vector<float> pair_impulse, wall_direction, wall_impulse;
-  for (const PairImpulse& p : s.pairs) {
+  std::vector<float> pair_impulse, pair_turn, wall_direction, wall_impulse, wall_turn;
+  for (std::size_t i = 0; i < s.pairs.size(); ++i) {
+    const PairImpulse& p = s.pairs[i];
     if (!(p.normal > 0)) continue;
+    append_turn(pair_turn, s.pair_turns, i);
     pair.insert(pair.end(), {p.a, p.b});
     pair_impulse.insert(pair_impulse.end(), {p.tangent[0], p.tangent[1], p.tangent[2], p.normal});
   }
-  for (const WallImpulse& w : s.walls) {
+  for (std::size_t i = 0; i < s.walls.size(); ++i) {
+    const WallImpulse& w = s.walls[i];
+    append_turn(wall_turn, s.wall_turns, i);
     ball.push_back(w.ball);
     wall_direction.insert(wall_direction.end(), {w.direction[0], w.direction[1], w.direction[2]});
     wall_impulse.insert(wall_impulse.end(), {w.tangent[0], w.tangent[1], w.tangent[2], w.normal});
@@ -74,6 +83,8 @@ void write_state(Hdf5Writer& file, const DrumState& s) {
   file.dataset("walls/direction", wall_direction, 3, "1", "normal towards the ball, in the drum's frame");
   file.dataset("walls/impulse", wall_impulse, 4, "N s",
                "on the ball, in the drum's frame: tangential part, normal part");
+  file.dataset("pairs/turn", pair_turn, 3, "N s", "torque impulse over the arm; empty without rolling resistance");
+  file.dataset("walls/turn", wall_turn, 3, "N s", "the same at the wall");
 }
 
 DrumState read_state(const Hdf5Reader& file) {
@@ -93,7 +104,15 @@ DrumState read_state(const Hdf5Reader& file) {
     s.pairs.push_back({pair[2 * i], pair[2 * i + 1], {p[4 * i], p[4 * i + 1], p[4 * i + 2]}, p[4 * i + 3]});
   for (std::size_t i = 0; i < ball.size(); ++i)
     s.walls.push_back(
-        {ball[i], {d[3 * i], d[3 * i + 1], d[3 * i + 2]}, {w[4 * i], w[4 * i + 1], w[4 * i + 2]}, w[4 * i + 3]});
+        {ball[i], 0, {d[3 * i], d[3 * i + 1], d[3 * i + 2]}, {w[4 * i], w[4 * i + 1], w[4 * i + 2]}, w[4 * i + 3]});
+  const auto turns = [&](const char* name) {
+    const auto values = file.floats(name);
+    std::vector<Turn> list(values.size() / 3);
+    for (std::size_t i = 0; i < list.size(); ++i) list[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return list;
+  };
+  s.pair_turns = turns("pairs/turn");
+  s.wall_turns = turns("walls/turn");
   return s;
 }
 

@@ -26,7 +26,7 @@ bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
              const std::function<void(const WarmState&)>& save) {
   const DrumModel model(study, warmup_outlet(study));
   const WarmupConfig& config = study.warmup;
-  Workspace work;
+  DrumWorkspace work;
   while (!warm.finished) {
     // One window; its end is counted from the empty drum, so windows do not depend on interruptions.
     const double end = config.window_turns * static_cast<double>(warm.windows.size() + 1);
@@ -79,7 +79,7 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   adopt_outlet(model, state);
 
   Recording out;
-  Workspace work;
+  DrumWorkspace work;
   ReportMean quality;
   const double turns = study.record.adapt_turns + study.record.turns;
   const std::int64_t first = state.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
@@ -109,7 +109,7 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
 
 DrumState filled_drum(const DrumModel& model, std::int64_t num_balls) {
   const Study& study = model.study;
-  const double r = model.largest_radius, spacing = 2.02 * r,
+  const double r = model.world.largest_radius, spacing = 2.02 * r,
                free_radius = 0.5 * study.drum.diameter_m - model.wall.highest_bump - 1.01 * r;
   const Eigen::Vector3d origin(0, study.belt.outlet_begin_m, 0), along = model.tilt.col(2), up = -model.tilt.col(1);
 
@@ -126,7 +126,8 @@ DrumState filled_drum(const DrumModel& model, std::int64_t num_balls) {
       const auto shake = uniform4(study.seed, Purpose::fill, static_cast<std::uint64_t>(state.counts.fed));
       const Eigen::Vector3d at = origin + along * (s + 0.02 * r * (shake[0] - 0.5)) + up * height +
                                  Eigen::Vector3d(x + 0.02 * r * (shake[1] - 0.5), 0, 0);
-      state.balls.add(at, r, static_cast<std::uint32_t>(state.counts.fed++));
+      const auto id = static_cast<std::uint32_t>(state.counts.fed++);
+      state.balls.add(at, model.world.radius_of(id), id);
     }
   }
   if (state.counts.fed < num_balls)
@@ -138,7 +139,7 @@ double kinetic_energy(const DrumModel& model, const DrumState& state) {
   double sum = 0;
   const Balls& balls = state.balls;
   for (std::size_t i = 0; i < balls.size(); ++i)
-    sum += 0.5 / model.inverse_mass(balls.radius[i]) *
+    sum += 0.5 / model.world.inverse_mass(balls.radius[i]) *
            (balls.velocity[i].squaredNorm() + 0.4 * balls.radius[i] * balls.radius[i] * balls.spin[i].squaredNorm());
   return sum;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/step/stepper.h"
+#include "core/step/drum_step.h"
 
 namespace drumsweep {
 

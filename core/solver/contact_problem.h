@@ -27,16 +27,29 @@ struct ContactRow {
   float inverse_normal;   ///< 1 / (1/m_a + 1/m_b + Sigma) [kg]
   float inverse_tangent;  ///< 1 / (7/2 (1/m_a + 1/m_b)) [kg]
   float friction;
-  std::uint32_t a, b;  ///< bodies
-  float overlap;       ///< > 0 pressed, < 0 open [m]; the solver does not look at it
-  std::uint32_t spare;
+  std::uint32_t a, b;     ///< bodies
+  float overlap;          ///< > 0 pressed, < 0 open [m]; the solver does not look at it
+  std::uint32_t surface;  ///< kind of the contact, see World::surface(); the solver does not look at it
+};
+
+/// Rolling and twisting resistance of the contact with the same index; effects/rotation_resistance.h. With
+/// w = a S_a - b S_b - wall_turn and q on body a: q = 0 or w = 0, |q across n| <= rolling lambda_n, |q along n| <= twisting lambda_n.
+struct RotationRow {
+  Float4 wall_turn;  ///< [m/s], fourth lane 0
+  float a, b;        ///< arm over radius of each body
+  float inverse;     ///< 1 / (5/2 (a^2/m_a + b^2/m_b)) [kg]
+  float rolling, twisting;
+  float spare[3];
 };
 
 struct ContactProblem {
   std::vector<ContactRow> rows;
+  std::vector<RotationRow> rotation;  ///< (rows), or empty: no resistance
 };
 
 /// Impulse on body a (minus that on b): tangential part in three lanes, normal part in the fourth [N s].
 using Impulse = Float4;
+/// Torque impulse on body a over the contact's arm, fourth lane 0 [N s].
+using TurnImpulse = Float4;
 
 }  // namespace drumsweep

@@ -31,18 +31,45 @@ float dot(Float4 a, Float4 b) {
   b.surface -= turn * inverse_b;
 }
 
+/// Torque impulse q over the contact's arm on a, -q on b.
+[[gnu::always_inline]] inline void twist(BodyVelocity& a, BodyVelocity& b, const RotationRow& row, Float4 q) {
+  a.surface += q * (2.5f * row.a * a.linear[3]);
+  b.surface -= q * (2.5f * row.b * b.linear[3]);
+}
+
+/// Rolling and twisting resistance under the normal impulse `pressed`: stop the relative rotation, clip each part to its limit.
+[[gnu::always_inline]] inline void resist_rotation(const RotationRow& row, Float4 n, float pressed, BodyVelocity& a,
+                                                   BodyVelocity& b, TurnImpulse& turn) {
+  const Float4 rate = a.surface * row.a - b.surface * row.b - row.wall_turn;
+  const Float4 wanted = turn - rate * row.inverse;
+  float along = dot(n, wanted);
+  Float4 across = wanted - n * along;
+  const float most_along = row.twisting * pressed, most_across = row.rolling * pressed, squared = dot(across, across);
+  along = along > most_along ? most_along : (along < -most_along ? -most_along : along);
+  if (squared > most_across * most_across) across *= most_across / std::sqrt(squared);
+  const Float4 now = across + n * along;
+  twist(a, b, row, now - turn);
+  turn = now;
+}
+
 }  // namespace
 
-void apply_impulses(const ContactProblem& problem, std::span<const Impulse> impulse, std::span<BodyVelocity> velocity) {
+void apply_impulses(const ContactProblem& problem, std::span<const Impulse> impulse, std::span<const TurnImpulse> turn,
+                    std::span<BodyVelocity> velocity) {
   for (std::size_t i = 0; i < problem.rows.size(); ++i) {
     const ContactRow& row = problem.rows[i];
     if (impulse[i][3] != 0)
       push(velocity[row.a], velocity[row.b], only_space(row.normal), impulse[i][3], only_space(impulse[i]));
   }
+  for (std::size_t i = 0; i < problem.rotation.size(); ++i)
+    twist(velocity[problem.rows[i].a], velocity[problem.rows[i].b], problem.rotation[i], turn[i]);
 }
 
-void solve(const ContactProblem& problem, int iterations, std::span<Impulse> impulse,
-           std::span<BodyVelocity> velocity) {
+namespace {
+
+template <bool with_rotation>
+void iterate(const ContactProblem& problem, int iterations, std::span<Impulse> impulse, std::span<TurnImpulse> turn,
+             std::span<BodyVelocity> velocity) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (std::size_t i = 0; i < problem.rows.size(); ++i) {
       const ContactRow& row = problem.rows[i];
@@ -67,8 +94,20 @@ void solve(const ContactProblem& problem, int iterations, std::span<Impulse> imp
       push(a, b, n, new_n - old_n, new_t - old_t);
       impulse[i] = new_t;
       impulse[i][3] = new_n;
+
+      if constexpr (with_rotation) resist_rotation(problem.rotation[i], n, new_n, a, b, turn[i]);
     }
   }
+}
+
+}  // namespace
+
+void solve(const ContactProblem& problem, int iterations, std::span<Impulse> impulse, std::span<TurnImpulse> turn,
+           std::span<BodyVelocity> velocity) {
+  if (problem.rotation.empty())
+    iterate<false>(problem, iterations, impulse, turn, velocity);
+  else
+    iterate<true>(problem, iterations, impulse, turn, velocity);
 }
 
 }  // namespace drumsweep

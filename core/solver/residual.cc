@@ -12,7 +12,7 @@ Eigen::Vector3d vector(Float4 a) { return {a[0], a[1], a[2]}; }
 }  // namespace
 
 Residual natural_map_residual(const ContactProblem& problem, std::span<const Impulse> impulse,
-                              std::span<const BodyVelocity> velocity) {
+                              std::span<const TurnImpulse> turn, std::span<const BodyVelocity> velocity) {
   Residual out;
   for (std::size_t i = 0; i < problem.rows.size(); ++i) {
     const ContactRow& row = problem.rows[i];
@@ -30,7 +30,20 @@ Residual natural_map_residual(const ContactProblem& problem, std::span<const Imp
     if (t.norm() > limit) t *= limit / t.norm();
     const double e_t = (lambda_t - t).norm() / r_t;
 
-    const double e = std::sqrt(e_n * e_n + e_t * e_t);
+    double e_r = 0;
+    if (!problem.rotation.empty()) {
+      const RotationRow& rotation = problem.rotation[i];
+      const double r_r = rotation.inverse, rolling = rotation.rolling * lambda_n,
+                   twisting = rotation.twisting * lambda_n;
+      const Eigen::Vector3d rate =
+          rotation.a * vector(a.surface) - rotation.b * vector(b.surface) - vector(rotation.wall_turn);
+      const Eigen::Vector3d q = vector(turn[i]), wanted = q - r_r * rate;
+      Eigen::Vector3d across = wanted - n * n.dot(wanted);
+      if (across.norm() > rolling) across *= rolling / across.norm();
+      e_r = (q - across - n * std::clamp(n.dot(wanted), -twisting, twisting)).norm() / r_r;
+    }
+
+    const double e = std::sqrt(e_n * e_n + e_t * e_t + e_r * e_r);
     out.max = std::max(out.max, e);
     out.mean += e;
   }

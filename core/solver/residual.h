@@ -13,8 +13,8 @@ struct Residual {
 };
 
 /// Natural map of a row: lambda - projection(lambda - r F(lambda)), over r, with r the inverse of the row's diagonal:
-/// zero exactly at a solution, and in m/s. Normal and tangential part are added as squares.
+/// zero exactly at a solution, and in m/s. Normal, tangential and rotation part are added as squares.
 Residual natural_map_residual(const ContactProblem& problem, std::span<const Impulse> impulse,
-                              std::span<const BodyVelocity> velocity);
+                              std::span<const TurnImpulse> turn, std::span<const BodyVelocity> velocity);
 
 }  // namespace drumsweep

@@ -41,7 +41,7 @@ void Balls::reorder(const std::vector<std::uint32_t>& order) {
   pick(exit, order);
 }
 
-void drop_gone(DrumState& state, const std::vector<char>& gone) {
+void drop_gone(BallState& state, const std::vector<char>& gone) {
   if (std::find(gone.begin(), gone.end(), 1) == gone.end()) return;
   constexpr std::uint32_t dropped = 0xFFFFFFFFu;
   std::vector<std::uint32_t> order, place(gone.size(), dropped);
@@ -51,18 +51,32 @@ void drop_gone(DrumState& state, const std::vector<char>& gone) {
       order.push_back(i);
     }
   state.balls.reorder(order);
+
+  // Keeps the entries that `keep` accepts, and the turns beside them.
+  const auto sieve = [](auto& contacts, std::vector<Turn>& turns, const auto& keep) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (!keep(contacts[i])) continue;
+      if (!turns.empty()) turns[kept] = turns[i];
+      contacts[kept++] = contacts[i];
+    }
+    contacts.resize(kept);
+    if (!turns.empty()) turns.resize(kept);
+  };
   for (PairImpulse& p : state.pairs) {
     p.a = place[p.a];
     p.b = place[p.b];
   }
   for (WallImpulse& w : state.walls) w.ball = place[w.ball];
-  std::erase_if(state.pairs, [](const PairImpulse& p) { return p.a == dropped || p.b == dropped; });
-  std::erase_if(state.walls, [](const WallImpulse& w) { return w.ball == dropped; });
+  sieve(state.pairs, state.pair_turns, [](const PairImpulse& p) { return p.a != dropped && p.b != dropped; });
+  sieve(state.walls, state.wall_turns, [](const WallImpulse& w) { return w.ball != dropped; });
 }
 
-std::uint64_t state_hash(const DrumState& state) {
+namespace {
+
+/// Sum over the balls, so that their order does not matter.
+std::uint64_t hash_of_balls(const Balls& balls) {
   std::uint64_t sum = 0;
-  const Balls& balls = state.balls;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     std::uint64_t h = mix(balls.id[i] + 0x9E3779B97F4A7C15ull);
     for (const Eigen::Vector3d* v : {&balls.position[i], &balls.velocity[i], &balls.spin[i]})
@@ -70,10 +84,21 @@ std::uint64_t state_hash(const DrumState& state) {
     h = mix(h ^ std::bit_cast<std::uint64_t>(balls.radius[i]));
     sum += mix(h ^ balls.exit[i]);
   }
+  return sum;
+}
+
+}  // namespace
+
+std::uint64_t state_hash(const DrumState& state) {
+  std::uint64_t sum = hash_of_balls(state.balls);
   for (const std::int64_t n :
        {state.num_steps, state.counts.fed, state.counts.landed, state.counts.spilled, state.counts.removed})
     sum = mix(sum ^ static_cast<std::uint64_t>(n));
   return sum;
+}
+
+std::uint64_t state_hash(const BallState& state) {
+  return mix(hash_of_balls(state.balls) ^ static_cast<std::uint64_t>(state.num_steps));
 }
 
 }  // namespace drumsweep

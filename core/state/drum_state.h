@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,9 +32,10 @@ struct PairImpulse {
   float normal;        ///< >= 0 [N s]
 };
 
-/// Impulse of the last time step between a ball and the wall, in the frame of the drum.
+/// Impulse of the last time step between a ball and a wall, in the frame of the wall.
 struct WallImpulse {
   std::uint32_t ball;
+  std::uint32_t wall;  ///< index in World::walls
   float direction[3];  ///< unit normal, from the wall to the ball
   float tangent[3];    ///< [N s]
   float normal;        ///< >= 0 [N s]
@@ -47,20 +49,30 @@ struct Counts {
   std::int64_t removed = 0;  ///< lost: found where no ball can be
 };
 
-struct DrumState {
-  std::int64_t num_steps = 0;  ///< outer steps since the empty drum; time and drum angle follow from it
-  double feed_debt_kg = 0;     ///< fed by the clock but not yet placed
-  Counts counts;
+/// Torque impulse of the last time step on the first of a pair, or on a ball at the wall, over the contact's arm [N s].
+using Turn = std::array<float, 3>;
+
+/// Balls and what their contacts remember. With the smooth step the impulses are forces [N] and the turns torques over the arm [N].
+struct BallState {
+  std::int64_t num_steps = 0;  ///< outer steps since the beginning; time and place of the walls follow from it
   Balls balls;
   std::vector<PairImpulse> pairs;
   std::vector<WallImpulse> walls;
+  std::vector<Turn> pair_turns;  ///< (pairs), or empty: no rolling or twisting resistance
+  std::vector<Turn> wall_turns;  ///< (walls), or empty
+};
+
+struct DrumState : BallState {
+  double feed_debt_kg = 0;  ///< fed by the clock but not yet placed
+  Counts counts;
 };
 
 /// Removes the balls marked in `gone` (balls) with their impulses; the order of the others stays.
-void drop_gone(DrumState& state, const std::vector<char>& gone);
+void drop_gone(BallState& state, const std::vector<char>& gone);
 
-/// 64-bit hash of all balls (ids, positions, velocities, spins, exits) and counts; independent of the order of the
+/// 64-bit hash of all balls (ids, positions, velocities, spins, exits), step and counts; independent of the order of the
 /// arrays.
 std::uint64_t state_hash(const DrumState& state);
+std::uint64_t state_hash(const BallState& state);
 
 }  // namespace drumsweep

@@ -7,8 +7,9 @@ namespace drumsweep {
 
 /// How a ball left the drum.
 enum class Exit : std::uint8_t {
-  inside = 0,  ///< still in drum or outlet
-  end = 255,   ///< over the open end of the outlet
+  inside = 0,   ///< still in drum or outlet
+  fixed = 254,  ///< glued to the ground of a scene: it never moves
+  end = 255,    ///< over the open end of the outlet
   // 1 ... num_slots: through that slot
 };
 

@@ -8,7 +8,7 @@ namespace {
 double angle_length(const Eigen::Vector3d& body, double radius) { return std::atan2(body[1], body[0]) * radius; }
 
 /// Whether a centre (body frame, within the outlet) is beyond the wall's surface, which a slot is thought to continue.
-bool beyond_wall(const DrumWall& wall, const Eigen::Vector3d& body) {
+bool beyond_wall(const DrumSurface& wall, const Eigen::Vector3d& body) {
   return std::hypot(body[0], body[1]) >
          wall.outlet.radius - wall.texture.height(angle_length(body, wall.outlet.radius), body[2]);
 }
@@ -19,7 +19,7 @@ void record_exits_and_landings(const DrumModel& model, const Pose& pose, double 
                                std::vector<char>& gone, std::vector<Landing>* landings) {
   const Study& study = model.study;
   const OutletShape& outlet = model.wall.outlet;
-  const double h = model.time_step, diameter = study.material.diameter_m, wall = outlet.radius;
+  const double h = model.world.time_step, diameter = study.material.diameter_m, wall = outlet.radius;
   // No ball flies this far; one that does would blow up the grid of the contact search.
   const double far = 4 * (study.drum.length_m + outlet.length + study.drum.diameter_m) - model.belt_height;
   const double bumps = wall - model.wall.highest_bump;

@@ -1,7 +1,7 @@
 /// Memory of a running drum, counted from what its arrays hold.
 #pragma once
 
-#include "core/step/stepper.h"
+#include "core/step/drum_step.h"
 
 namespace drumsweep {
 
@@ -10,6 +10,6 @@ struct MemoryUse {
   std::size_t total() const { return state + work + wall; }
 };
 
-MemoryUse memory_use(const DrumModel& model, const DrumState& state, const Workspace& work);
+MemoryUse memory_use(const DrumModel& model, const DrumState& state, const DrumWorkspace& work);
 
 }  // namespace drumsweep

@@ -7,30 +7,43 @@
 
 namespace drumsweep {
 
-StepReport make_report(const DrumModel& model, const DrumState& state, Workspace& work) {
+namespace {
+
+/// Overlaps of the contacts that press, in metres, over the mean diameter. Reorders them.
+void add_overlaps(double diameter, std::vector<float>& pressed, StepReport& report) {
+  if (pressed.empty()) return;
+  double sum = 0;
+  for (const float overlap : pressed) sum += overlap;
+  const auto place = pressed.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(pressed.size() - 1));
+  std::nth_element(pressed.begin(), place, pressed.end());
+  report.overlap_95 = *place / diameter;
+  report.max_overlap = *std::max_element(place, pressed.end()) / diameter;
+  report.mean_overlap = sum / static_cast<double>(pressed.size()) / diameter;
+}
+
+}  // namespace
+
+StepReport make_smooth_report(const World& world, const SmoothScratch& scratch, std::vector<float>& pressed) {
+  StepReport report;
+  report.num_contacts = report.num_rows = scratch.overlaps.size();
+  pressed = scratch.overlaps;
+  add_overlaps(world.physics.material.diameter_m, pressed, report);
+  return report;
+}
+
+StepReport make_report(const World& world, const BallState& state, Workspace& work, int iterations) {
   const Assembly& a = work.assembly;
   StepReport report;
+  report.iterations = iterations;
   report.num_rows = a.problem.rows.size();
-  report.residual = natural_map_residual(a.problem, a.impulse, a.velocity);
+  report.residual = natural_map_residual(a.problem, a.impulse, a.turn, a.velocity);
 
-  // Overlaps of the contacts that press.
   work.pressed.clear();
-  double sum = 0;
   for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
     if (a.impulse[i][3] > 0) ++report.num_contacts;
-    if (a.problem.rows[i].overlap <= 0) continue;
-    append(work.pressed, a.problem.rows[i].overlap);
-    sum += a.problem.rows[i].overlap;
+    if (a.problem.rows[i].overlap > 0) append(work.pressed, a.problem.rows[i].overlap);
   }
-  if (!work.pressed.empty()) {
-    const double diameter = model.study.material.diameter_m;
-    const auto place =
-        work.pressed.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(work.pressed.size() - 1));
-    std::nth_element(work.pressed.begin(), place, work.pressed.end());
-    report.overlap_95 = *place / diameter;
-    report.max_overlap = *std::max_element(place, work.pressed.end()) / diameter;
-    report.mean_overlap = sum / static_cast<double>(work.pressed.size()) / diameter;
-  }
+  add_overlaps(world.physics.material.diameter_m, work.pressed, report);
 
   // Momentum: what each ball gained against the sum of its impulses, added up in another way than the solver does.
   const Balls& balls = state.balls;
@@ -46,8 +59,7 @@ StepReport make_report(const DrumModel& model, const DrumState& state, Workspace
     const Float4& v = a.velocity[i].linear;
     const Eigen::Vector3d gained = Eigen::Vector3d(v[0], v[1], v[2]) - balls.velocity[i].cast<float>().cast<double>();
     report.force_balance =
-        std::max(report.force_balance,
-                 (gained - model.inverse_mass(balls.radius[i]) * work.impulse_sum[i].cast<double>()).norm());
+        std::max(report.force_balance, (gained - work.inverse_mass[i] * work.impulse_sum[i].cast<double>()).norm());
   }
   return report;
 }
@@ -56,6 +68,7 @@ void ReportMean::add(const StepReport& r) {
   num_ += 1;
   sum_.num_contacts += r.num_contacts;
   sum_.num_rows += r.num_rows;
+  sum_.iterations += r.iterations;
   sum_.residual.max = std::max(sum_.residual.max, r.residual.max);
   sum_.residual.mean += r.residual.mean;
   sum_.max_overlap = std::max(sum_.max_overlap, r.max_overlap);
@@ -69,6 +82,7 @@ StepReport ReportMean::mean() const {
   if (num_ == 0) return out;
   out.num_contacts = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_contacts) / num_));
   out.num_rows = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_rows) / num_));
+  out.iterations /= num_;
   out.residual.mean /= num_;
   out.overlap_95 /= num_;
   out.mean_overlap /= num_;

@@ -39,8 +39,8 @@ struct PlaneWorld {
                                    Float4{f(s[0]), f(s[1]), f(s[2]), 0}},
                                   {Float4{}, Float4{}}};
       std::vector<Impulse> p{impulse};
-      apply_impulses(problem, p, v);
-      solve(problem, iterations, p, v);
+      apply_impulses(problem, p, {}, v);
+      solve(problem, iterations, p, {}, v);
       impulse = p[0];
       ball.velocity = {v[0].linear[0], v[0].linear[1], v[0].linear[2]};
       ball.spin = Eigen::Vector3d(v[0].surface[0], v[0].surface[1], v[0].surface[2]) / radius;

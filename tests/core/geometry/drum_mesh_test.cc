@@ -116,7 +116,7 @@ TEST(DrumMesh, the_outlet_of_s1_point_iv_leaves_fingers_of_the_width_that_algebr
   study.outlet.opening_angle_rad = 0.6;
   study.outlet.base_width_m = 0.2;
   validate(study);
-  const OutletShape shape = outlet_shape(study.drum, study.outlet);
+  const OutletShape shape = outlet_shape(study.drum, study.outlet, 0);
   EXPECT_NEAR(shape.width(0.75), 0.664, 5e-4);
   EXPECT_NEAR(shape.circumference() / 3, 0.785, 5e-4);
   study.outlet.base_width_m = 0.33;

@@ -53,10 +53,10 @@ TEST(Restart, from_a_stored_state_is_bitwise_the_uninterrupted_run) {
   const Study study = small_drum();
   const DrumModel model(study, study.outlet);
   DrumState straight = warm().state, resumed = warm().state;
-  Workspace one;
+  DrumWorkspace one;
   for (int i = 0; i < 60; ++i) advance(model, straight, one);
   for (int part = 0; part < 3; ++part) {
-    Workspace fresh;
+    DrumWorkspace fresh;
     for (int i = 0; i < 20; ++i) advance(model, resumed, fresh);
     resumed = unpack_warm_state(pack_warm_state(study, {resumed, {}, false, false}), study, "memory").state;
   }
@@ -118,7 +118,7 @@ TEST(DesignRun, swapping_the_outlet_gives_no_burst_of_kinetic_energy) {
         swapped_model(study_of_design(study, design), study_of_design(study, design).outlet);
     DrumState undisturbed = warm().state, swapped = warm().state;
     adopt_outlet(swapped_model, swapped);
-    Workspace a, b;
+    DrumWorkspace a, b;
     // A burst shows within a few steps; after some 50 ms more (or fewer) balls fall through the new slots, as they
     // should.
     for (int i = 0; i < 12; ++i) {
@@ -139,7 +139,7 @@ TEST(DesignRun, a_ball_where_none_can_be_is_counted_as_lost) {
   // Its neighbours would catch it: alone in the air.
   state.balls.position[1] = model.pose(0).origin + model.tilt * Eigen::Vector3d(0, 0, 0.08);
   state.balls.velocity[1][0] = std::nan("");
-  Workspace work;
+  DrumWorkspace work;
   advance(model, state, work);
   EXPECT_EQ(state.counts.removed, 2);
   expect_balance(state.counts, static_cast<std::int64_t>(state.balls.size()));
@@ -180,7 +180,7 @@ TEST(Quality, the_step_report_sees_overlap_and_a_balanced_momentum) {
   const Study study = small_drum();
   const DrumModel model(study, study.outlet);
   DrumState state = warm().state;
-  Workspace work;
+  DrumWorkspace work;
   const StepReport report = advance(model, state, work);
   EXPECT_GT(report.num_contacts, 50u);
   EXPECT_LT(report.force_balance, 1e-5);
@@ -194,16 +194,16 @@ TEST(Belt, a_landing_is_where_and_when_free_flight_ends_on_the_belt) {
   DrumState state;
   // Below the outlet, thrown forward: s beyond the end, so it has left over the end.
   const Eigen::Vector3d from(0.02, study.belt.outlet_begin_m + 0.14, model.belt_height + 0.05), v(0.3, 0.1, -0.2);
-  state.balls.add(from, model.largest_radius, 0);
+  state.balls.add(from, model.world.largest_radius, 0);
   state.balls.velocity[0] = v;
   state.feed_debt_kg = -1;  // no feed
   ++state.counts.fed;
-  Workspace work;
+  DrumWorkspace work;
   std::vector<Landing> landings;
   while (landings.empty() && state.num_steps < 1000) advance(model, state, work, &landings);
   ASSERT_EQ(landings.size(), 1u);
-  const double fall = 0.05 - model.largest_radius, g = 9.81;
-  const double t = (v[2] + std::sqrt(v[2] * v[2] + 2 * g * fall)) / g, h = model.time_step;
+  const double fall = 0.05 - model.world.largest_radius, g = 9.81;
+  const double t = (v[2] + std::sqrt(v[2] * v[2] + 2 * g * fall)) / g, h = model.world.time_step;
   EXPECT_NEAR(landings[0].time, t, h);
   EXPECT_NEAR(landings[0].x, from[0] + 0.3 * t, 0.3 * h);
   EXPECT_NEAR(landings[0].y, from[1] + 0.1 * t, 0.1 * h);

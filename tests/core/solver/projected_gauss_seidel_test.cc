@@ -60,13 +60,13 @@ TEST(ProjectedGaussSeidel, agrees_with_the_dense_oracle_when_both_have_converged
     Case c = heap(seed);
     const auto expected = oracle::solve(c.spheres, c.contacts, 20000);
     std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
-    solve(c.problem, 5000, impulse, c.velocity);
+    solve(c.problem, 5000, impulse, {}, c.velocity);
     for (std::size_t i = 0; i < c.spheres.size(); ++i)
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(c.velocity[i].linear[k], c.spheres[i].velocity[k], 2e-5) << "seed " << seed;
         EXPECT_NEAR(c.velocity[i].surface[k], c.spheres[i].spin[k] * c.spheres[i].radius, 2e-5) << "seed " << seed;
       }
-    EXPECT_LT(natural_map_residual(c.problem, impulse, c.velocity).max, 1e-5);
+    EXPECT_LT(natural_map_residual(c.problem, impulse, {}, c.velocity).max, 1e-5);
   }
 }
 
@@ -76,7 +76,7 @@ TEST(ProjectedGaussSeidel, one_iteration_equals_one_of_the_oracle) {
     Case c = heap(seed);
     oracle::solve(c.spheres, c.contacts, 1);
     std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
-    solve(c.problem, 1, impulse, c.velocity);
+    solve(c.problem, 1, impulse, {}, c.velocity);
     for (std::size_t i = 0; i < c.spheres.size(); ++i)
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(c.velocity[i].linear[k], c.spheres[i].velocity[k], 5e-6) << "seed " << seed;
@@ -95,7 +95,7 @@ TEST(ProjectedGaussSeidel, impulses_stay_in_the_friction_cone_and_momentum_is_co
     };
     momentum(before);
     std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
-    solve(c.problem, 7, impulse, c.velocity);
+    solve(c.problem, 7, impulse, {}, c.velocity);
     momentum(after);
     EXPECT_LT((after - before).norm(), 1e-8);
     for (std::size_t i = 0; i < impulse.size(); ++i) {
@@ -109,11 +109,11 @@ TEST(ProjectedGaussSeidel, starting_from_the_solution_changes_nothing) {
   Case c = heap(5);
   std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
   auto cold = c.velocity;
-  solve(c.problem, 5000, impulse, cold);
+  solve(c.problem, 5000, impulse, {}, cold);
   auto warm = c.velocity;
   auto start = impulse;
-  apply_impulses(c.problem, start, warm);
-  solve(c.problem, 1, start, warm);
+  apply_impulses(c.problem, start, {}, warm);
+  solve(c.problem, 1, start, {}, warm);
   for (std::size_t i = 0; i < c.spheres.size(); ++i)
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(warm[i].linear[k], cold[i].linear[k], 1e-5);
 }
@@ -121,10 +121,10 @@ TEST(ProjectedGaussSeidel, starting_from_the_solution_changes_nothing) {
 TEST(Residual, sees_a_velocity_that_no_longer_fits) {
   Case c = heap(2);
   std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
-  solve(c.problem, 5000, impulse, c.velocity);
-  const double good = natural_map_residual(c.problem, impulse, c.velocity).max;
+  solve(c.problem, 5000, impulse, {}, c.velocity);
+  const double good = natural_map_residual(c.problem, impulse, {}, c.velocity).max;
   c.velocity[0].linear[2] += 0.01f;
-  EXPECT_GT(natural_map_residual(c.problem, impulse, c.velocity).max, good + 1e-3);
+  EXPECT_GT(natural_map_residual(c.problem, impulse, {}, c.velocity).max, good + 1e-3);
 }
 
 }  // namespace

@@ -19,13 +19,13 @@ TEST(Feed, places_balls_without_overlap_at_the_given_rate) {
   for (int i = 0; i < 60; ++i) feed_balls(model, state, scratch);
   const Balls& b = state.balls;
   EXPECT_EQ(state.counts.fed,
-            static_cast<std::int64_t>(60 * study.solver.outer_step_s * study.feed.rate_kg_s / model.ball_mass));
+            static_cast<std::int64_t>(60 * study.solver.outer_step_s * study.feed.rate_kg_s / model.world.mean_mass));
   std::vector<WallContact> contacts;
   const Pose pose = model.pose(0);
   for (std::size_t i = 0; i < b.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT((b.position[i] - b.position[j]).norm(), b.radius[i] + b.radius[j]);
     const Eigen::Vector3d p = pose.to_body(b.position[i]);
-    wall_contacts(model.wall.mesh, model.grid.near(p), p, 2 * b.radius[i], true, contacts);
+    wall_contacts(model.mesh(), model.world.walls.front().grid.near(p), p, 2 * b.radius[i], true, contacts);
     for (const WallContact& c : contacts) EXPECT_GT(c.distance, b.radius[i]);
   }
 }
@@ -37,7 +37,7 @@ TEST(Feed, a_blocked_zone_keeps_the_balls_due_instead_of_dropping_them) {
   DrumState state;
   FeedScratch scratch;
   for (int i = 0; i < 100; ++i) feed_balls(model, state, scratch);
-  const double placed = static_cast<double>(state.counts.fed) * model.ball_mass;
+  const double placed = static_cast<double>(state.counts.fed) * model.world.mean_mass;
   EXPECT_GT(state.feed_debt_kg, 1);
   EXPECT_NEAR(placed + state.feed_debt_kg, 100 * study.solver.outer_step_s * 50, 1e-9);
 }
