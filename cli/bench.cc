@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
 #include "cli/json.h"
 #include "core/config/schema.h"
+#include "core/config/toml_reader.h"
 #include "sweep/progress.h"
 
 namespace drumsweep {
@@ -18,6 +20,7 @@ struct Options {
   BenchOptions bench;
   int threads = 1;
   std::string setting = "s1";
+  std::vector<std::string> set;
   bool json = false;
 };
 
@@ -28,8 +31,7 @@ void print_json(const BenchResult& r, const Options& options) {
       .number("contacts", r.contacts)
       .number("pressed_contacts", r.pressed)
       .count("threads", options.threads);
-  all.count("iterations", r.study.solver.iterations)
-      .number("time_step_s", r.study.solver.outer_step_s / static_cast<double>(r.study.solver.sub_steps));
+  all.number("iterations", r.quality.iterations).number("time_step_s", r.time_step_s);
   all.number("outer_step_s", r.study.solver.outer_step_s)
       .number("simulated_s", r.simulated_s)
       .number("cpu_s", r.cpu_s)
@@ -43,11 +45,11 @@ void print_json(const BenchResult& r, const Options& options) {
 }
 
 void print_text(const BenchResult& r, const Options& options) {
-  const double h = r.study.solver.outer_step_s / static_cast<double>(r.study.solver.sub_steps);
+  const double h = r.time_step_s;
   fmt::print("lab drum, {:.3g} m long, steady: {:.0f} balls, {:.0f} contact rows ({:.0f} press), {} thread\n",
              r.study.drum.length_m, r.balls, r.contacts, r.pressed, options.threads);
-  fmt::print("time step {:.3g} ms ({} per contact search), {} iterations\n", 1e3 * h, r.study.solver.sub_steps,
-             r.study.solver.iterations);
+  fmt::print("time step {:.3g} ms ({:.0f} per contact search), {:.4g} iterations\n", 1e3 * h,
+             r.study.solver.outer_step_s / h, r.quality.iterations);
   fmt::print("speed     {:.3f} s of a core per 1000 balls and simulated second ({:.2f} s for {:.2f} s)\n",
              r.cpu_s_per_1k_balls_per_sim_s(), r.cpu_s, r.simulated_s);
   fmt::print("solver    {:.1f} ns per contact row and iteration\n", r.ns_per_contact_iteration());
@@ -63,6 +65,18 @@ void print_text(const BenchResult& r, const Options& options) {
              r.quality.residual.mean, 100 * r.quality.mean_overlap, r.hash);
 }
 
+/// "key=value", any key of a study file.
+void set_value(Study& study, const std::string& change) {
+  const std::size_t equals = change.find('=');
+  if (equals == std::string::npos) throw InputError("--set " + change + ": needs key=value");
+  // TOML as it stands; a bare word is a text.
+  const std::string value = change.substr(equals + 1);
+  const bool word =
+      !value.empty() && std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false";
+  study = parse_study(word ? fmt::format("{} = \"{}\"", change.substr(0, equals), value) : change, "--set " + change,
+                      study);
+}
+
 int bench(const Options& options) {
   if (options.threads != 1)
     throw InputError(fmt::format("--threads {}: this version runs one thread a drum; use more ranks for more designs",
@@ -74,6 +88,7 @@ int bench(const Options& options) {
     study.solver.sub_steps = 1;
     study.solver.iterations = 25;
   }
+  for (const std::string& change : options.set) set_value(study, change);
   Reporter reporter;
   const BenchResult result = run_bench(study, options.bench, [&](const Progress& p) {
     reporter.update(p, {});
@@ -104,9 +119,12 @@ void add_bench(CLI::App& app, int& exit_code) {
                    "s1: 10 ms x 25 iterations as in the paper; shipped: this program's default")
       ->capture_default_str()
       ->check(CLI::IsMember({"s1", "shipped"}));
+  command->add_option("--set", options->set,
+                      "key=value: changes a key of the lab drum's study, for what an effect or setting costs");
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Example:\n  drumsweep bench --balls 10000 --json\n"
+      "  drumsweep bench --set effects.rolling_friction=0.1 --set solver.iterations=50\n"
       "Plan with it: core-hours = speed * balls / 1000 * simulated seconds * designs / 3600.");
   command->callback([options, &exit_code] { exit_code = bench(*options); });
 }

@@ -12,6 +12,8 @@
 #include "cli/commands.h"
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
+#include "core/effects/catalogue.h"
+#include "core/step/world.h"
 #include "sweep/designs.h"
 #include "sweep/progress.h"
 
@@ -28,8 +30,9 @@ struct Estimate {
 
 Estimate estimate(const Study& s) {
   Estimate e{};
-  const double d = s.material.diameter_m, omega = s.drum.angular_velocity_rad_s;
-  e.ball_kg = s.material.density_kg_m3 * std::numbers::pi / 6 * d * d * d;
+  const double omega = s.drum.angular_velocity_rad_s;
+  const World world(s, omega * s.drum.diameter_m / 2);
+  e.ball_kg = world.mean_mass;
   e.balls_per_s = s.feed.rate_kg_s / e.ball_kg;
   // What is fed lies on the belt with the stated packing.
   e.bed_height_m =
@@ -37,7 +40,7 @@ Estimate estimate(const Study& s) {
   e.froude = omega * omega * s.drum.diameter_m / 2 / 9.81;
   e.turn_s = 2 * std::numbers::pi / omega;
   e.wall_speed_m_s = omega * s.drum.diameter_m / 2;
-  e.step_s = s.solver.outer_step_s / static_cast<double>(s.solver.sub_steps);
+  e.step_s = world.time_step;
 
   // Sullivan, Maier, Ralston, US Bureau of Mines Technical Paper 384 (1927): minutes, with slope and angle of repose in
   // degrees and the speed in turns per minute; length and diameter in the same unit.
@@ -46,11 +49,15 @@ Estimate estimate(const Study& s) {
                          (s.drum.inclination_deg * s.drum.diameter_m * rpm);
   e.residence_s = 60 * minutes;
   e.balls = e.balls_per_s * e.residence_s;
-  e.filling = e.balls * std::numbers::pi / 6 * d * d * d / s.objective.packing /
+  e.filling = e.balls * e.ball_kg / s.material.density_kg_m3 / s.objective.packing /
               (std::numbers::pi / 4 * s.drum.diameter_m * s.drum.diameter_m * s.drum.length_m);
 
   // Measured on the lab drum: 0.25 s of a core per 1000 balls and simulated second at 2500 solver passes a second.
-  const double passes_per_s = static_cast<double>(s.solver.iterations) / e.step_s;
+  // "auto" is taken for 25 passes, a smooth step for 6.
+  const double passes = s.step.method == "smooth" ? 6
+                        : s.solver.iterations > 0 ? static_cast<double>(s.solver.iterations)
+                                                  : 25;
+  const double passes_per_s = passes / e.step_s;
   e.core_s_per_s = 0.25 * e.balls / 1000 * passes_per_s / 2500;
   e.memory_bytes = 1000 * e.balls;
   const double warmup_s = std::min(s.warmup.max_turns * e.turn_s, 3 * e.residence_s);
@@ -97,6 +104,18 @@ std::vector<std::string> warnings(const Study& s, const Plan& plan, const Estima
   return list;
 }
 
+/// "cohesion 0.01 N, air_drag 1.2 kg m-3": what differs from the plain model.
+std::string effects_on(const Study& s) {
+  std::string out;
+  for (const Effect& effect : effect_catalogue()) {
+    const double value = get_number(s, effect.key);
+    if (value == effect.neutral || std::isnan(value)) continue;
+    out += fmt::format("{}{} {:g}{}", out.empty() ? "" : ", ", effect.id, value,
+                       std::string(effect.unit) == "1" ? "" : std::string(" ") + effect.unit);
+  }
+  return out;
+}
+
 void check(const std::string& path) {
   const Study s = read_study(path);
   const Plan plan = plan_designs(s);
@@ -104,12 +123,17 @@ void check(const std::string& path) {
   const auto simulated = static_cast<double>(
       std::count_if(plan.designs.begin(), plan.designs.end(), [](const auto& d) { return d.impossible.empty(); }));
 
+  const std::string iterations = s.step.method == "smooth"  ? ""
+                                 : s.solver.iterations == 0 ? ", iterations to a residual of " +
+                                                                  fmt::format("{:g} m/s", s.solver.residual_target_m_s)
+                                                            : fmt::format(", {} iterations", s.solver.iterations);
   fmt::print("{}: valid study \"{}\"\n\n", path, s.name);
   fmt::print("drum        {} m x {} m, {} deg, {:.4g} s a turn, Froude number {:.3g}\n", s.drum.diameter_m,
              s.drum.length_m, s.drum.inclination_deg, e.turn_s, e.froude);
-  fmt::print(
-      "step        {:.3g} s, {} sub-steps an outer step, {} iterations; the wall moves {:.2g} ball diameters a step\n",
-      e.step_s, s.solver.sub_steps, s.solver.iterations, e.wall_speed_m_s * e.step_s / s.material.diameter_m);
+  fmt::print("step        {}, {:.3g} s, {:.0f} an outer step{}; the wall moves {:.2g} ball diameters a step\n",
+             s.step.method, e.step_s, s.solver.outer_step_s / e.step_s, iterations,
+             e.wall_speed_m_s * e.step_s / s.material.diameter_m);
+  if (const std::string on = effects_on(s); !on.empty()) fmt::print("effects     {}\n", on);
   fmt::print("balls       {} m, {:.4g} g\n", s.material.diameter_m, 1000 * e.ball_kg);
   fmt::print(
       "mass        fed {:.4g} kg/s = {:.4g} balls/s; all of it on the belt makes a mean bed height of {:.4g} m\n",

@@ -17,9 +17,9 @@ namespace {
 
 // The columns, with those of the variables between the two lists.
 constexpr std::array<std::string_view, 3> first_columns = {"design_id", "stage", "state"};
-constexpr std::array<std::string_view, 11> last_columns = {
-    "f_m",    "sigma_f_m",  "f_footprint_m", "sigma_f_footprint_m", "max_an_over_a0", "mean_height_m",
-    "landed", "lost_balls", "residual",      "state_hash",          "reason"};
+constexpr std::array<std::string_view, 14> last_columns = {
+    "f_m",        "sigma_f_m", "f_footprint_m", "sigma_f_footprint_m", "max_an_over_a0", "mean_height_m", "landed",
+    "lost_balls", "residual",  "overlap_95",    "force_balance_m_s",   "iterations",     "state_hash",    "reason"};
 
 struct Record {
   std::size_t line = 0;  ///< where it begins, from 1
@@ -143,8 +143,10 @@ std::string to_csv(const ResultTable& table) {
     for (double value :
          {row.f_m, row.sigma_f_m, row.f_footprint_m, row.sigma_f_footprint_m, row.max_an_over_a0, row.mean_height_m})
       csv += csv_number(value) + ',';
-    csv += fmt::format("{},{},{},{},{}\n", row.landed, row.lost_balls, csv_number(row.residual),
-                       csv_text(row.state_hash), csv_text(row.reason));
+    csv += fmt::format("{},{},", row.landed, row.lost_balls);
+    for (double value : {row.residual, row.overlap_95, row.force_balance_m_s, row.iterations})
+      csv += csv_number(value) + ',';
+    csv += fmt::format("{},{}\n", csv_text(row.state_hash), csv_text(row.reason));
   }
   return csv;
 }
@@ -178,7 +180,8 @@ ResultTable read_results_csv(const std::filesystem::path& path) {
       *value = cells.number();
     row.landed = cells.count();
     row.lost_balls = cells.count();
-    row.residual = cells.number();
+    for (double* value : {&row.residual, &row.overlap_95, &row.force_balance_m_s, &row.iterations})
+      *value = cells.number();
     row.state_hash = cells.text();
     row.reason = cells.text();
     table.rows.push_back(std::move(row));

@@ -20,7 +20,10 @@ struct ResultRow {
   double max_an_over_a0 = none;
   double mean_height_m = none;
   std::int64_t landed = 0, lost_balls = 0;
-  double residual = none;
+  double residual = none;           ///< mean of the natural map [m/s]
+  double overlap_95 = none;         ///< 95 % of the pressed contacts overlap less, over the diameter
+  double force_balance_m_s = none;  ///< largest of a ball
+  double iterations = none;         ///< of the solver, mean
   std::string state_hash;
   std::string reason;  ///< why a design is not done; free text
 };

@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <exception>
-#include <numbers>
 
+#include "core/effects/size_distribution.h"
 #include "postproc/objective.h"
 
 namespace drumsweep {
@@ -40,11 +40,13 @@ ResultRow evaluated_row(const Study& base, const PlannedDesign& design, const Re
     row.landed = objective.landed;
     row.lost_balls = recording.lost;
     row.residual = recording.quality.residual.mean;
+    row.overlap_95 = recording.quality.overlap_95;
+    row.force_balance_m_s = recording.quality.force_balance;
+    row.iterations = recording.quality.iterations;
     row.state_hash = fmt::format("{:016x}", recording.hash);
 
     // Less than a ball is always due; more than a second's feed means that the feed zone is full.
-    const double d = study.material.diameter_m;
-    const double ball_kg = study.material.density_kg_m3 * std::numbers::pi / 6 * d * d * d;
+    const double ball_kg = mean_ball_mass(study);
     if (!steady) {
       row.state = "untrusted";
       row.reason = "warm drum not steady";
@@ -57,6 +59,10 @@ ResultRow evaluated_row(const Study& base, const PlannedDesign& design, const Re
     } else if (recording.feed_debt_kg > study.feed.rate_kg_s + ball_kg) {
       row.state = "untrusted";
       row.reason = fmt::format("feed blocked: {:.3g} kg found no room", recording.feed_debt_kg);
+    } else if (row.residual > study.solver.residual_limit_m_s) {
+      row.state = "untrusted";
+      row.reason = fmt::format("mean residual {:.3g} m/s is above solver.residual_limit_m_s = {:g}", row.residual,
+                               study.solver.residual_limit_m_s);
     }
     return row;
   } catch (const std::exception& error) {

@@ -78,9 +78,9 @@ StageConfig read_stage(const toml::table& node, const std::string& source) {
 }
 }  // namespace
 
-Study parse_study(const std::string& text, const std::string& source) {
+Study parse_study(const std::string& text, const std::string& source, const Study& base) {
   const toml::table root = parse_toml(text, source);
-  Study study;
+  Study study = base;
   FieldReader reader{source, fields(study), "stage", {}};
   reader.table(root, "");
   if (const toml::node* node = root.get("stage")) {

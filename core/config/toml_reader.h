@@ -12,8 +12,8 @@ namespace drumsweep {
 /// range.
 Study read_study(const std::string& path);
 
-/// The same from text; `source` names it in messages.
-Study parse_study(const std::string& text, const std::string& source);
+/// The same from text; `source` names it in messages. Keys that the text leaves out are those of `base`.
+Study parse_study(const std::string& text, const std::string& source, const Study& base = {});
 
 /// The study as TOML with every key written out, each with its help and accepted range as a comment when `comments`.
 /// parse_study(write_study(s)) gives back s exactly.

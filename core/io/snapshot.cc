@@ -12,7 +12,7 @@ namespace {
 constexpr const char* warm_kind = "warm_state";
 constexpr const char* recording_kind = "recording";
 constexpr int warm_layout = 2;
-constexpr int recording_layout = 1;
+constexpr int recording_layout = 2;
 
 /// Study without its stages: what a state or a recording may depend on.
 std::string study_text(Study study) {
@@ -203,6 +203,9 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
   file.attribute("overlap_95", r.quality.overlap_95);
   file.attribute("overlap_max", r.quality.max_overlap);
   file.attribute("force_balance_m_s", r.quality.force_balance);
+  file.attribute("iterations", r.quality.iterations);
+  file.dataset("quality/of_steps", r.quality_of_steps, quality_columns.size(), "in the columns",
+               fmt::format("of each recorded outer step: {}", fmt::join(quality_columns, ", ")));
   file.attribute("num_contacts", static_cast<std::int64_t>(r.quality.num_contacts));
   file.attribute("num_rows", static_cast<std::int64_t>(r.quality.num_rows));
   file.attribute("state_hash", fmt::format("{:016x}", r.hash));
@@ -254,6 +257,8 @@ Recording unpack_recording(const std::string& bytes, const Study& study, const s
   r.quality.overlap_95 = file.real("overlap_95");
   r.quality.max_overlap = file.real("overlap_max");
   r.quality.force_balance = file.real("force_balance_m_s");
+  r.quality.iterations = file.real("iterations");
+  r.quality_of_steps = file.floats("quality/of_steps");
   r.quality.num_contacts = static_cast<std::size_t>(file.integer("num_contacts"));
   r.quality.num_rows = static_cast<std::size_t>(file.integer("num_rows"));
   r.hash = std::stoull(file.text("state_hash"), nullptr, 16);

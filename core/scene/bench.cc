@@ -19,8 +19,7 @@ constexpr double balls_per_metre = 11436;
 }  // namespace
 
 double BenchResult::ns_per_contact_iteration() const {
-  const double visits = contacts * static_cast<double>(study.solver.iterations) * simulated_s /
-                        (study.solver.outer_step_s / static_cast<double>(study.solver.sub_steps));
+  const double visits = contacts * quality.iterations * simulated_s / time_step_s;
   return 1e9 * phase_s[static_cast<std::size_t>(Phase::solve)] / visits;
 }
 
@@ -37,6 +36,7 @@ BenchResult run_bench(const Study& base, const BenchOptions& options, const Obse
   validate(out.study);
 
   const DrumModel model(out.study, out.study.outlet);
+  out.time_step_s = model.world.time_step;
   // What the feed brings until the outlet runs full comes on top of the first filling.
   DrumState state = filled_drum(model, options.balls - balls_in_outlet);
   DrumWorkspace work;

@@ -14,6 +14,7 @@ struct BenchOptions {
 
 struct BenchResult {
   double balls = 0, contacts = 0, pressed = 0;  ///< means over the timed steps; contacts: rows that the solver visits
+  double time_step_s = 0;
   double simulated_s = 0, cpu_s = 0, wall_s = 0;
   std::array<double, static_cast<std::size_t>(Phase::count)> phase_s{};
   StepReport quality;

@@ -91,7 +91,12 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   while (state.num_steps < last && !out.stopped) {
     const bool recording = state.num_steps >= recorded;
     const StepReport report = advance(model, state, work, recording ? &out.landings : nullptr);
-    if (recording) quality.add(report);
+    if (recording) {
+      quality.add(report);
+      for (const double value : {report.residual.mean, report.residual.max, report.overlap_95, report.max_overlap,
+                                 report.force_balance, report.iterations})
+        out.quality_of_steps.push_back(static_cast<float>(value));
+    }
     const double done = (time_of(model, state.num_steps) - time_of(model, first)) / model.seconds_per_turn();
     out.stopped = observer && !observer({recording ? "recording" : "adapting", done, turns,
                                          time_of(model, state.num_steps), state.balls.size()});

@@ -45,17 +45,23 @@ bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
 /// One design: values for keys of the study.
 using Design = std::vector<std::pair<std::string, double>>;
 
+/// What Recording::quality_of_steps holds of each recorded outer step, in its last sub-step.
+inline constexpr std::array<const char*, 6> quality_columns = {"mean residual [m/s]", "max residual [m/s]",
+                                                               "95 % overlap / d",    "max overlap / d",
+                                                               "force balance [m/s]", "iterations"};
+
 /// What a design's simulation leaves behind; all that the objective and the table need.
 struct Recording {
   std::vector<Landing> landings;  ///< of the recorded turns
   double begin_s = 0;             ///< simulation time at which recording began
   double turns = 0;
-  Counts counts;            ///< since the empty drum
-  std::int64_t inside = 0;  ///< balls at the end
-  std::int64_t lost = 0;    ///< in this run
-  double feed_debt_kg = 0;  ///< due but not placed at the end; grows when the feed zone is blocked
-  StepReport quality;       ///< means over the recorded steps (see ReportMean)
-  std::uint64_t hash = 0;   ///< of the final state
+  Counts counts;                        ///< since the empty drum
+  std::int64_t inside = 0;              ///< balls at the end
+  std::int64_t lost = 0;                ///< in this run
+  double feed_debt_kg = 0;              ///< due but not placed at the end; grows when the feed zone is blocked
+  StepReport quality;                   ///< means over the recorded steps (see ReportMean)
+  std::vector<float> quality_of_steps;  ///< (recorded outer steps x quality_columns)
+  std::uint64_t hash = 0;               ///< of the final state
   double cpu_s = 0;
   bool stopped = false;  ///< by the observer; the rest is then incomplete
 };

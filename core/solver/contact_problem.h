@@ -1,8 +1,9 @@
 /// The contact problem of one time step as plain data: what the solver reads, what it changes.
 ///
 /// Bodies are spheres, or pieces of wall with inverse mass 0. With S = radius * angular velocity a sphere's contact
-/// needs neither radius nor arm: u = v_a - v_b + n x (S_a + S_b), an impulse p on a changes v_a by p/m_a and S_a by
-/// -(5/2)/m_a n x p.
+/// needs no radius: u = v_a - v_b + c n x (S_a + S_b), an impulse p on a changes v_a by p/m_a and S_a by -(5/2)/m_a c n x p.
+/// c is the distance of the centres over the sum of the radii: with lever arms c R_a and c R_b that meet in one point angular
+/// momentum is conserved however deep the overlap or wide the gap. At a wall c = 1: a soft ball rolls on its nominal radius.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +26,10 @@ struct ContactRow {
   Float4 normal;          ///< n from b to a; fourth lane: bias [m/s]
   float regularization;   ///< Sigma [1/kg]
   float inverse_normal;   ///< 1 / (1/m_a + 1/m_b + Sigma) [kg]
-  float inverse_tangent;  ///< 1 / (7/2 (1/m_a + 1/m_b)) [kg]
+  float inverse_tangent;  ///< 1 / ((1 + 5/2 c^2) (1/m_a + 1/m_b)) [kg]
   float friction;
   std::uint32_t a, b;     ///< bodies
-  float overlap;          ///< > 0 pressed, < 0 open [m]; the solver does not look at it
+  float arm;              ///< c
   std::uint32_t surface;  ///< kind of the contact, see World::surface(); the solver does not look at it
 };
 

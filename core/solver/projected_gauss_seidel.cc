@@ -20,10 +20,11 @@ float dot(Float4 a, Float4 b) {
   return (p[0] + p[1]) + p[2];
 }
 
-/// Impulse p = normal n + tangent t on a, -p on b. Fourth lanes of n and t are 0.
-[[gnu::always_inline]] inline void push(BodyVelocity& a, BodyVelocity& b, Float4 n, float normal, Float4 t) {
+/// Impulse p = normal n + tangent t on a, -p on b. Fourth lanes of n and t are 0; arm_n = c n.
+[[gnu::always_inline]] inline void push(BodyVelocity& a, BodyVelocity& b, Float4 n, Float4 arm_n, float normal,
+                                        Float4 t) {
   const Float4 p = n * normal + t;
-  const Float4 turn = cross(n, t) * 2.5f;
+  const Float4 turn = cross(arm_n, t) * 2.5f;
   const float inverse_a = a.linear[3], inverse_b = b.linear[3];
   a.linear += p * inverse_a;
   b.linear -= p * inverse_b;
@@ -58,8 +59,9 @@ void apply_impulses(const ContactProblem& problem, std::span<const Impulse> impu
                     std::span<BodyVelocity> velocity) {
   for (std::size_t i = 0; i < problem.rows.size(); ++i) {
     const ContactRow& row = problem.rows[i];
-    if (impulse[i][3] != 0)
-      push(velocity[row.a], velocity[row.b], only_space(row.normal), impulse[i][3], only_space(impulse[i]));
+    if (impulse[i][3] == 0) continue;
+    const Float4 n = only_space(row.normal);
+    push(velocity[row.a], velocity[row.b], n, n * row.arm, impulse[i][3], only_space(impulse[i]));
   }
   for (std::size_t i = 0; i < problem.rotation.size(); ++i)
     twist(velocity[problem.rows[i].a], velocity[problem.rows[i].b], problem.rotation[i], turn[i]);
@@ -76,8 +78,8 @@ void iterate(const ContactProblem& problem, int iterations, std::span<Impulse> i
       BodyVelocity &a = velocity[row.a], &b = velocity[row.b];
 
       // Relative velocity of the two surfaces at the contact.
-      const Float4 n = only_space(row.normal);
-      const Float4 u = a.linear - b.linear + cross(n, a.surface + b.surface);
+      const Float4 n = only_space(row.normal), arm_n = n * row.arm;
+      const Float4 u = a.linear - b.linear + cross(arm_n, a.surface + b.surface);
       const float u_n = dot(n, u);
 
       // Normal impulse: solve the row, clip at zero.
@@ -91,7 +93,7 @@ void iterate(const ContactProblem& problem, int iterations, std::span<Impulse> i
       const float limit = row.friction * new_n, squared = dot(new_t, new_t);
       if (squared > limit * limit) new_t *= limit / std::sqrt(squared);
 
-      push(a, b, n, new_n - old_n, new_t - old_t);
+      push(a, b, n, arm_n, new_n - old_n, new_t - old_t);
       impulse[i] = new_t;
       impulse[i][3] = new_n;
 

@@ -1,7 +1,7 @@
 /// Projected Gauss-Seidel for the contact problem of Wang (2013), Eq. (1); the unknown is an impulse, so Sigma is in
 /// 1/kg.
 ///
-/// For spheres the 3x3 block of a contact is diagonal, normal w = 1/m_a + 1/m_b and tangential (7/2) w, so a visit is
+/// For spheres the 3x3 block of a contact is diagonal, normal w = 1/m_a + 1/m_b and tangential (1 + 5/2 c^2) w, so a visit is
 /// explicit and needs no tangent frame: normal part clipped at 0, tangential part clipped to the disc of radius
 /// friction * lambda_n; then, where there is one, the rotation row, clipped likewise. Rows are visited in their order; the result is a function of the problem alone. Rejected:
 /// cone-complementarity relaxation (Anitescu-Tasora), which pushes a sliding contact open by h mu |u_t|.

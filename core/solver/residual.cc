@@ -18,7 +18,8 @@ Residual natural_map_residual(const ContactProblem& problem, std::span<const Imp
     const ContactRow& row = problem.rows[i];
     const BodyVelocity &a = velocity[row.a], &b = velocity[row.b];
     const Eigen::Vector3d n = vector(row.normal);
-    const Eigen::Vector3d u = vector(a.linear) - vector(b.linear) + n.cross(vector(a.surface) + vector(b.surface));
+    const Eigen::Vector3d u = vector(a.linear) - vector(b.linear) +
+                              static_cast<double>(row.arm) * n.cross(vector(a.surface) + vector(b.surface));
 
     const double r_n = row.inverse_normal, lambda_n = impulse[i][3];
     const double f_n = n.dot(u) + row.regularization * lambda_n - row.normal[3];

@@ -20,16 +20,17 @@ Float4 float4(const Eigen::Vector3d& v, double fourth) {
 
 Float4 float4(const Turn& t) { return Float4{t[0], t[1], t[2], 0}; }
 
-ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double overlap, double inverse_mass,
+/// @param arm  distance of the centres over the sum of the radii
+ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double arm, double inverse_mass,
                     double friction, std::size_t a, std::size_t b, std::size_t surface) {
   return {float4(normal, row.bias),
           static_cast<float>(row.regularization),
           static_cast<float>(1 / (inverse_mass + row.regularization)),
-          static_cast<float>(1 / (3.5 * inverse_mass)),
+          static_cast<float>(1 / ((1 + 2.5 * arm * arm) * inverse_mass)),
           static_cast<float>(friction),
           static_cast<std::uint32_t>(a),
           static_cast<std::uint32_t>(b),
-          static_cast<float>(overlap),
+          static_cast<float>(arm),
           static_cast<std::uint32_t>(surface)};
 }
 
@@ -107,6 +108,7 @@ void assemble_rows(const World& world, const BallState& state, std::span<const d
   const bool warm = world.physics.solver.warm_start;
   out.problem.rows.clear();
   out.problem.rotation.clear();
+  out.overlap.clear();
   out.impulse.clear();
   out.turn.clear();
   out.pair_of.clear();
@@ -145,9 +147,10 @@ void assemble_rows(const World& world, const BallState& state, std::span<const d
     out.impacts = out.impacts || is_impact(between, -gap, separating, h);
     const double friction =
         friction_of(between, normal, closing, radius_a * balls.spin[pair.a] + radius_b * balls.spin[pair.b]);
-    append(out.problem.rows, make_row(normal, normal_row(law_of(between, reduced), -gap, separating, h), -gap, both,
-                                      friction, pair.a, pair.b, 0));
+    append(out.problem.rows, make_row(normal, normal_row(law_of(between, reduced), -gap, separating, h),
+                                      distance / touching, both, friction, pair.a, pair.b, 0));
     append(out.pair_of, static_cast<std::uint32_t>(k));
+    append(out.overlap, static_cast<float>(-gap));
     append(out.impulse,
            warm && pair.normal > 0
                ? flattened(Eigen::Vector3d(pair.tangent[0], pair.tangent[1], pair.tangent[2]), pair.normal, normal)
@@ -190,9 +193,10 @@ void assemble_rows(const World& world, const BallState& state, std::span<const d
       out.impacts = out.impacts || is_impact(surface, -gap, separating, h);
       const double friction = friction_of(surface, normal, closing, radius * balls.spin[near.ball]);
       append(out.problem.rows,
-             make_row(normal, normal_row(law_of(surface, radius), -gap, separating, h), -gap, inverse_mass[near.ball],
+             make_row(normal, normal_row(law_of(surface, radius), -gap, separating, h), 1, inverse_mass[near.ball],
                       friction, near.ball, out.velocity.size(), near.wall + 1));
       append(out.velocity, BodyVelocity{float4(wall_velocity, 0), Float4{}});
+      append(out.overlap, static_cast<float>(-gap));
       const Eigen::Vector3f direction = contact.normal.cast<float>();
       WallImpulse kept{near.ball, near.wall, {direction[0], direction[1], direction[2]}, {0, 0, 0}, 0};
 
@@ -238,18 +242,23 @@ void resolve_impacts(const World& world, int iterations, std::span<const double>
     const Float4 u = assembly.velocity[row.a].linear - assembly.velocity[row.b].linear, p = u * row.normal;
     return static_cast<double>((p[0] + p[1]) + p[2]);
   };
-  const auto pair_mass = [](const ContactRow& row) { return 1 / (3.5f * row.inverse_tangent); };  // 1/m_a + 1/m_b
+  // 1/m_a + 1/m_b
+  const auto pair_mass = [](const ContactRow& row) {
+    return 1 / ((1 + 2.5f * row.arm * row.arm) * row.inverse_tangent);
+  };
 
   // Rigid rows: -e u- where it collides, no approach where it touches, the gap elsewhere.
   assembly.impact_problem.rows = assembly.problem.rows;
   assembly.impact_impulse.assign(assembly.problem.rows.size(), Impulse{});
-  for (ContactRow& row : assembly.impact_problem.rows) {
+  for (std::size_t i = 0; i < assembly.impact_problem.rows.size(); ++i) {
+    ContactRow& row = assembly.impact_problem.rows[i];
+    const double overlap = assembly.overlap[i];
     const Surface& surface = world.surface(row.surface);
     const double u = separating(row);
-    if (is_impact(surface, row.overlap, u, h))
+    if (is_impact(surface, overlap, u, h))
       row.normal[3] = static_cast<float>(-surface.restitution * u);
     else
-      row.normal[3] = static_cast<float>(std::min(0.0, row.overlap / h));
+      row.normal[3] = static_cast<float>(std::min(0.0, overlap / h));
     row.regularization = 0;
     row.inverse_normal = 1 / pair_mass(row);
   }
@@ -257,11 +266,13 @@ void resolve_impacts(const World& world, int iterations, std::span<const double>
   store_velocities(assembly, balls);
 
   // The regular stage starts from what the impacts left.
-  for (ContactRow& row : assembly.problem.rows) {
+  for (std::size_t i = 0; i < assembly.problem.rows.size(); ++i) {
+    ContactRow& row = assembly.problem.rows[i];
     const double radius_a = balls.radius[row.a];
     const double reduced =
         row.surface == 0 ? radius_a * balls.radius[row.b] / (radius_a + balls.radius[row.b]) : radius_a;
-    const NormalRow now = normal_row(law_of(world.surface(row.surface), reduced), row.overlap, separating(row), h);
+    const NormalRow now =
+        normal_row(law_of(world.surface(row.surface), reduced), assembly.overlap[i], separating(row), h);
     row.normal[3] = static_cast<float>(now.bias);
     row.regularization = static_cast<float>(now.regularization);
     row.inverse_normal = 1 / (pair_mass(row) + row.regularization);

@@ -30,6 +30,7 @@ void find_wall_candidates(const World& world, const Balls& balls, std::span<cons
 /// Contact rows of one time step. Rows of pairs come first, in the order of the pair list, then those of the walls.
 struct Assembly {
   ContactProblem problem;
+  std::vector<float> overlap;              ///< (rows) > 0 pressed, < 0 open [m]
   std::vector<Impulse> impulse;            ///< (rows)
   std::vector<TurnImpulse> turn;           ///< (rows), or empty: no rolling or twisting resistance
   std::vector<BodyVelocity> velocity;      ///< (balls, then one piece of wall per wall row)

@@ -19,8 +19,8 @@ MemoryUse memory_use(const DrumModel& model, const DrumState& state, const DrumW
   return {held(b.position, b.velocity, b.spin, b.radius, b.id, b.exit, state.pairs, state.walls, state.pair_turns,
                state.wall_turns),
           held(p.cell_of, p.cell_begin, p.order, p.place_of, p.old_begin, p.old, p.old_turns, p.num_near,
-               work.feed.in_zone, work.candidates.balls, work.candidates.triangles, a.problem.rows, a.impulse,
-               a.velocity, a.pair_of, a.walls, a.contacts, a.problem.rotation, a.turn, a.attracted,
+               work.feed.in_zone, work.candidates.balls, work.candidates.triangles, a.problem.rows, a.overlap,
+               a.impulse, a.velocity, a.pair_of, a.walls, a.contacts, a.problem.rotation, a.turn, a.attracted,
                a.impact_problem.rows, a.impact_impulse, work.gone, work.inverse_mass, work.smooth.force,
                work.smooth.torque, work.smooth.overlaps, work.pressed, work.impulse_sum),
           held(m.vertices, m.triangles, m.border, wall.bounds) + wall.grid.bytes()};

@@ -18,7 +18,7 @@ struct Touch {
   Eigen::Vector3d normal;  ///< from b to a
   double overlap;
   Eigen::Vector3d velocity;  ///< of a relative to b, of the centres or of centre and wall [m/s]
-  Eigen::Vector3d surface;   ///< R_a omega_a + R_b omega_b [m/s]
+  Eigen::Vector3d surface;   ///< lever arms times angular velocities, summed [m/s]
   Eigen::Vector3d rotation;  ///< omega_a - omega_b [rad/s]
   double arm, effective_mass, reduced_radius;
 };
@@ -49,7 +49,8 @@ struct Law {
   void evaluate(const Touch& t, Force& f, Eigen::Vector3d& total, Eigen::Vector3d& moment) const {
     const double k = surface.stiffness(t.reduced_radius), g = t.overlap, root = std::sqrt(g), m = t.effective_mass;
     const double slope = 1.5 * k * root, e = surface.restitution;  // S
-    // Dashpots, implicit in the speed.
+    // Dashpots act on the speed as it decays in the step: m v' = -c v exactly, so they are stable for any strength.
+    const auto in_step = [&](double c, double mass) { return -std::expm1(-h * c / mass) * mass / h; };
     double damping = k * surface.law.damping * root, part = 0;
     if (e > 0) {
       const double log = std::log(e), beta = -log / std::sqrt(log * log + std::numbers::pi * std::numbers::pi);
@@ -57,7 +58,7 @@ struct Law {
       damping = part * std::sqrt(slope * m);
     }
     const double approach = -t.normal.dot(t.velocity);
-    f.normal = k * g * root + damping * approach / (1 + h * damping / m);
+    f.normal = k * g * root + in_step(damping, m) * approach;
     if (e == 0) f.normal = std::max(0.0, f.normal);
     const double pressed = std::max(0.0, f.normal);
 
@@ -69,8 +70,7 @@ struct Law {
     const double friction = friction_at(surface.friction_speed, surface.friction, u_t.norm());
     const Eigen::Vector3d spring = turned(f.tangent, t.normal) - stiffness * h * u_t;
     f.tangent = clipped(spring, friction * pressed);
-    const Eigen::Vector3d tangential =
-        clipped(f.tangent - damping_t / (1 + h * damping_t / m_t) * u_t, friction * pressed);
+    const Eigen::Vector3d tangential = clipped(f.tangent - in_step(damping_t, m_t) * u_t, friction * pressed);
     total = t.normal * f.normal + tangential;
     moment = Eigen::Vector3d::Zero();
     if (!with_turn) return;
@@ -84,7 +84,7 @@ struct Law {
                              t.normal * std::clamp(along, -most, most));
     };
     f.turn = limited(f.turn - stiffness * h * rate);
-    moment = t.arm * limited(f.turn - damping_r / (1 + h * damping_r / m_r) * rate);
+    moment = t.arm * limited(f.turn - in_step(damping_r, m_r) * rate);
   }
 };
 
@@ -117,14 +117,15 @@ void apply_smooth_forces(const World& world, std::span<const double> inverse_mas
       pair.normal = 0;
       continue;
     }
-    const double reduced = radius_a * radius_b / touching;
+    // Lever arms that meet in one point, see solver/contact_problem.h.
+    const double reduced = radius_a * radius_b / touching, arm = distance / touching;
     Eigen::Vector3d total = Eigen::Vector3d::Zero(), moment = total;
     const Eigen::Vector3d normal = apart / distance;
     if (distance < touching) {
       const Touch touch{normal,
                         touching - distance,
                         balls.velocity[pair.a] - balls.velocity[pair.b],
-                        radius_a * balls.spin[pair.a] + radius_b * balls.spin[pair.b],
+                        arm * (radius_a * balls.spin[pair.a] + radius_b * balls.spin[pair.b]),
                         balls.spin[pair.a] - balls.spin[pair.b],
                         2 * reduced,
                         1 / inverse,
@@ -143,7 +144,7 @@ void apply_smooth_forces(const World& world, std::span<const double> inverse_mas
     } else {
       pair.normal = 0;
     }
-    const Eigen::Vector3d lever = total.cross(normal);  // (-R n) x f
+    const Eigen::Vector3d lever = arm * total.cross(normal);  // (-R n) x f
     if (world.cohesive) total -= normal * attraction(world.balls.cohesion_at(reduced), distance - touching);
     out.force[pair.a] += total;
     out.force[pair.b] -= total;

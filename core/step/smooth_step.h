@@ -3,8 +3,8 @@
 ///
 /// Normal: k g^1.5, plus damping: with restitution e > 0 the dashpot of Tsuji et al. (1992) in the form of Antypov and Elliott
 /// (2011), -2 sqrt(5/6) beta sqrt(S m*) dg/dt with S = 1.5 k sqrt(g), beta = ln e / sqrt(ln^2 e + pi^2), which rebounds with e at any
-/// speed; with e = 0 the dashpot k c sqrt(g) dg/dt, and no pull. Both are taken implicitly in the speed, so they are stable
-/// for any strength.
+/// speed; with e = 0 the dashpot k c sqrt(g) dg/dt, and no pull. Dashpots are integrated exactly over the step, so they are
+/// stable for any strength.
 /// Tangential: a spring of stiffness S 2 (1 - nu) / (2 - nu) (Mindlin, no slip) with history, turned with the normal, dashpot
 /// likewise, clipped at mu N. Rolling and twisting: a spring of the same stiffness on R times the relative rotation, clipped at
 /// mu_r N and mu_t N (Luding 2008). The histories are kept in the state as forces.

@@ -41,7 +41,7 @@ StepReport make_report(const World& world, const BallState& state, Workspace& wo
   work.pressed.clear();
   for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
     if (a.impulse[i][3] > 0) ++report.num_contacts;
-    if (a.problem.rows[i].overlap > 0) append(work.pressed, a.problem.rows[i].overlap);
+    if (a.overlap[i] > 0) append(work.pressed, a.overlap[i]);
   }
   add_overlaps(world.physics.material.diameter_m, work.pressed, report);
 

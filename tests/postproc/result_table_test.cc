@@ -14,7 +14,8 @@ namespace {
 
 const std::string header =
     "design_id,stage,state,opening_angle_deg,base_width_m,f_m,sigma_f_m,f_footprint_m,sigma_f_footprint_m,"
-    "max_an_over_a0,mean_height_m,landed,lost_balls,residual,state_hash,reason\n";
+    "max_an_over_a0,mean_height_m,landed,lost_balls,residual,overlap_95,"
+    "force_balance_m_s,iterations,state_hash,reason\n";
 
 class ResultFile : public testing::Test {
  protected:
@@ -52,7 +53,7 @@ TEST_F(ResultFile, numbers_are_shortest_and_nan_is_an_empty_cell) {
   row.landed = 17000;
   row.state_hash = "00ff";
   EXPECT_EQ(to_csv({{"opening_angle_deg", "base_width_m"}, {row}}),
-            header + "d1,coarse,done,0.1,0.048,0.001,,,,,,17000,0,,00ff,\n");
+            header + "d1,coarse,done,0.1,0.048,0.001,,,,,,17000,0,,,,,00ff,\n");
 }
 
 TEST_F(ResultFile, reads_back_to_the_same_bits_and_text) {
@@ -66,8 +67,9 @@ TEST_F(ResultFile, reads_back_to_the_same_bits_and_text) {
       row.stage = text();
       row.state = text();
       row.variables = {number(), number()};
-      for (double* value : {&row.f_m, &row.sigma_f_m, &row.f_footprint_m, &row.sigma_f_footprint_m, &row.max_an_over_a0,
-                            &row.mean_height_m, &row.residual})
+      for (double* value :
+           {&row.f_m, &row.sigma_f_m, &row.f_footprint_m, &row.sigma_f_footprint_m, &row.max_an_over_a0,
+            &row.mean_height_m, &row.residual, &row.overlap_95, &row.force_balance_m_s, &row.iterations})
         *value = number();
       row.landed = *rc::gen::arbitrary<std::int64_t>();
       row.lost_balls = *rc::gen::arbitrary<std::int64_t>();
@@ -104,7 +106,7 @@ TEST_F(ResultFile, missing_file_is_named) {
 }
 
 TEST_F(ResultFile, malformed_files_are_refused_with_file_line_and_reason) {
-  const std::string good = "d1,coarse,done,0.1,0.048,0.001,,,,,,17000,0,,00ff,\n";
+  const std::string good = "d1,coarse,done,0.1,0.048,0.001,,,,,,17000,0,,,,,00ff,\n";
   const auto expect = [&](const std::string& content, const std::string& where, const std::string& what) {
     const std::string got = complaint(content);
     EXPECT_NE(got.find("results.csv:" + where + ":"), std::string::npos) << got;
@@ -115,21 +117,22 @@ TEST_F(ResultFile, malformed_files_are_refused_with_file_line_and_reason) {
   std::string wrong = header;
   wrong.replace(wrong.find("landed"), 6, "arrived");
   expect(wrong, "1", "column 12 is 'arrived' and should be 'landed'");
-  expect(header + good + "d2,coarse,done,0.1\n", "3", "4 cells, 16 expected");
+  expect(header + good + "d2,coarse,done,0.1\n", "3", "4 cells, 19 expected");
   expect(header + good + "\n", "3", "1 cells");
-  expect(header + "d1,coarse,done,0.1,0.048,12mm,,,,,,1,0,,,\n", "2", "f_m = '12mm' is not a number");
-  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,1.5,0,,,\n", "2", "landed = '1.5' is not a whole number");
-  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,,0,,,\n", "2", "landed = '' is not a whole number");
-  expect(header + good + "d1,coarse,done,0.1,0.048,,,,,,,1,0,,,\"torn\n", "3", "not closed");
-  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,1,0,,,\"a\"b\n", "2", "after the closing quote");
+  expect(header + "d1,coarse,done,0.1,0.048,12mm,,,,,,1,0,,,,,,\n", "2", "f_m = '12mm' is not a number");
+  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,1.5,0,,,,,,\n", "2", "landed = '1.5' is not a whole number");
+  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,,0,,,,,,\n", "2", "landed = '' is not a whole number");
+  expect(header + good + "d1,coarse,done,0.1,0.048,,,,,,,1,0,,,,,,\"torn\n", "3", "not closed");
+  expect(header + "d1,coarse,done,0.1,0.048,,,,,,,1,0,,,,,,\"a\"b\n", "2", "after the closing quote");
   // A line break inside a quoted cell counts as a line of the file.
-  expect(header + "d1,coarse,failed,0.1,0.048,,,,,,,1,0,,,\"a\nb\"\nd2\n", "4", "1 cells");
+  expect(header + "d1,coarse,failed,0.1,0.048,,,,,,,1,0,,,,,,\"a\nb\"\nd2\n", "4", "1 cells");
 }
 
 TEST_F(ResultFile, line_ends_of_other_systems_are_read) {
   const ResultTable table = read(
       "design_id,stage,state,x_m,f_m,sigma_f_m,f_footprint_m,sigma_f_footprint_m,max_an_over_a0,mean_height_m,"
-      "landed,lost_balls,residual,state_hash,reason\r\nd1,s,done,1,0.5,,,,,,3,0,,h,\"why, then\"\r\n");
+      "landed,lost_balls,residual,overlap_95,force_balance_m_s,iterations,state_hash,reason\r\n"
+      "d1,s,done,1,0.5,,,,,,3,0,,,,,h,\"why, then\"\r\n");
   ASSERT_EQ(table.rows.size(), 1U);
   EXPECT_EQ(table.rows[0].reason, "why, then");
   EXPECT_EQ(table.rows[0].f_m, 0.5);

@@ -32,7 +32,7 @@ struct PlaneWorld {
       ContactProblem problem;
       problem.rows.push_back({Float4{0, 0, 1, static_cast<float>(row.bias)}, static_cast<float>(row.regularization),
                               static_cast<float>(1 / (w + row.regularization)), static_cast<float>(1 / (3.5 * w)),
-                              static_cast<float>(friction), 0, 1, 0.0f, 0});
+                              static_cast<float>(friction), 0, 1, 1.0f, 0});
       const auto f = [](double x) { return static_cast<float>(x); };
       const Eigen::Vector3d s = ball.spin * radius;
       std::vector<BodyVelocity> v{{Float4{f(ball.velocity[0]), f(ball.velocity[1]), f(ball.velocity[2]), f(w)},

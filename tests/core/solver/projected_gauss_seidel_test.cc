@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/effects/rotation_resistance.h"
 #include "core/geometry/random.h"
 #include "core/solver/residual.h"
 #include "oracle/dense_contact_solver.h"
@@ -19,7 +20,7 @@ struct Case {
 };
 
 /// A chain of spheres of different size on a moving floor, with regularized, rigid and speculative rows.
-Case heap(std::uint64_t seed) {
+Case heap(std::uint64_t seed, double rolling = 0, double twisting = 0) {
   Case c;
   const auto draw = [&](std::uint32_t i, std::uint32_t k) {
     return uniform4(static_cast<std::int64_t>(seed), Purpose::fill, i, k);
@@ -33,13 +34,21 @@ Case heap(std::uint64_t seed) {
   }
   const auto add = [&](int a, int b, Eigen::Vector3d n, double bias, double sigma) {
     n.normalize();
-    c.contacts.push_back({a, b, n, Eigen::Vector3d(0.3, -0.2, 0.05), bias, sigma, 0.5});
+    const double arm = 1 + 0.05 * bias / 0.02;  // pressed and open ones
+    const Eigen::Vector3d wall_spin(0.5, 2, -1);
+    c.contacts.push_back(
+        {a, b, n, Eigen::Vector3d(0.3, -0.2, 0.05), bias, sigma, 0.5, rolling, twisting, wall_spin, arm});
     const auto& A = c.spheres[static_cast<std::size_t>(a)];
     const double w = 1 / A.mass + (b >= 0 ? 1 / c.spheres[static_cast<std::size_t>(b)].mass : 0.0);
     const auto body_b = b >= 0 ? static_cast<std::size_t>(b) : static_cast<std::size_t>(num) + c.contacts.size() - 1;
     c.problem.rows.push_back({Float4{f(n[0]), f(n[1]), f(n[2]), f(bias)}, f(sigma), f(1 / (w + sigma)),
-                              f(1 / (3.5 * w)), 0.5f, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(body_b),
-                              0.0f, 0});
+                              f(1 / ((1 + 2.5 * arm * arm) * w)), 0.5f, static_cast<std::uint32_t>(a),
+                              static_cast<std::uint32_t>(body_b), f(arm), 0});
+    if (rolling == 0 && twisting == 0) return;
+    const Eigen::Vector3d turn = b >= 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(A.radius * wall_spin);
+    c.problem.rotation.push_back(rotation_row(A.radius, b >= 0 ? c.spheres[static_cast<std::size_t>(b)].radius : 0,
+                                              1 / A.mass, b >= 0 ? 1 / c.spheres[static_cast<std::size_t>(b)].mass : 0,
+                                              rolling, twisting, Float4{f(turn[0]), f(turn[1]), f(turn[2]), 0}));
   };
   for (int i = 0; i < num; ++i) {
     const auto r = draw(static_cast<std::uint32_t>(i), 2);
@@ -81,6 +90,36 @@ TEST(ProjectedGaussSeidel, one_iteration_equals_one_of_the_oracle) {
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(c.velocity[i].linear[k], c.spheres[i].velocity[k], 5e-6) << "seed " << seed;
   }
+}
+
+TEST(ProjectedGaussSeidel, rolling_and_twisting_resistance_agree_with_the_dense_oracle) {
+  // Weak and strong resistance: some contacts roll, others are held.
+  for (const double rolling : {0.02, 0.5})
+    for (const double twisting : {0.0, 0.1})
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        for (const int iterations : {1, 5000}) {
+          Case c = heap(seed, rolling, twisting);
+          oracle::solve(c.spheres, c.contacts, iterations == 1 ? 1 : 20000);
+          std::vector<Impulse> impulse(c.problem.rows.size(), Impulse{});
+          std::vector<TurnImpulse> turn(c.problem.rows.size(), TurnImpulse{});
+          solve(c.problem, iterations, impulse, turn, c.velocity);
+          for (std::size_t i = 0; i < c.spheres.size(); ++i)
+            for (int k = 0; k < 3; ++k) {
+              EXPECT_NEAR(c.velocity[i].linear[k], c.spheres[i].velocity[k], 3e-5) << seed << " " << iterations;
+              EXPECT_NEAR(c.velocity[i].surface[k], c.spheres[i].spin[k] * c.spheres[i].radius, 3e-5)
+                  << seed << " " << iterations;
+            }
+          if (iterations > 1) {
+            EXPECT_LT(natural_map_residual(c.problem, impulse, turn, c.velocity).max, 2e-5);
+            // A warm start from the solution stays there.
+            Case again = heap(seed, rolling, twisting);
+            apply_impulses(again.problem, impulse, turn, again.velocity);
+            for (std::size_t i = 0; i < c.spheres.size(); ++i)
+              for (int k = 0; k < 3; ++k)
+                EXPECT_NEAR(again.velocity[i].surface[k], c.velocity[i].surface[k], 2e-4);  // rounding of 5000 sums
+          }
+        }
+      }
 }
 
 TEST(ProjectedGaussSeidel, impulses_stay_in_the_friction_cone_and_momentum_is_conserved) {
