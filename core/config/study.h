@@ -109,7 +109,7 @@ struct SolverConfig {
   std::int64_t iterations = 5;         ///< projected Gauss-Seidel passes per sub-step; 0 = "auto"
   double residual_target_m_s = 0.001;  ///< iterations = "auto" goes on to this mean residual ...
   std::int64_t max_iterations = 2000;  ///< ... or to this many passes
-  double residual_limit_m_s = 0.05;    ///< a design whose mean residual is above it is untrusted
+  double residual_limit_m_s = 0.02;    ///< a design whose mean residual is above it is untrusted
   double speculative_margin = 0.1;     ///< rows for gaps up to this fraction of the largest ball diameter
   double impact_speed_m_s = 0.05;      ///< a faster approach is an impact
   double stabilization_steps = 2.0;    ///< n_s: the least relaxation time of an overlap, in sub-steps

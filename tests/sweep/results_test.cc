@@ -57,6 +57,15 @@ TEST(Results, an_unsteady_drum_or_a_blocked_feed_is_untrusted_with_its_reason) {
   EXPECT_NE(row.reason.find("feed blocked"), std::string::npos);
 }
 
+TEST(Results, a_solver_that_has_not_converged_makes_a_design_untrusted) {
+  Study study = some_study();
+  Recording recording = even_recording(study);
+  recording.quality.residual.mean = 0.03;
+  EXPECT_EQ(evaluated_row(study, plan_designs(study).designs[0], recording, true).state, "untrusted");
+  study.solver.residual_limit_m_s = 0.04;
+  EXPECT_EQ(evaluated_row(study, plan_designs(study).designs[0], recording, true).state, "done");
+}
+
 TEST(Results, what_cannot_be_evaluated_is_failed_with_its_reason) {
   const Study study = some_study();
   Recording recording = even_recording(study);
