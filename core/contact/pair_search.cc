@@ -33,7 +33,9 @@ bool is_listed(const PairSearch& search, const Balls& balls, std::size_t i, std:
   const double squared = way.squaredNorm(), touching = balls.radius[i] + balls.radius[j];
   const double least = touching + listed_gap(search, 0);
   if (squared <= least * least) return true;
-  const double reach = touching + listed_gap(search, (balls.velocity[j] - balls.velocity[i]).norm());
+  const double speed = search.rebounds ? balls.velocity[i].norm() + balls.velocity[j].norm()
+                                       : (balls.velocity[j] - balls.velocity[i]).norm();
+  const double reach = touching + listed_gap(search, speed);
   return squared <= reach * reach;
 }
 

@@ -13,6 +13,7 @@ struct PairSearch {
   double margin = 0;       ///< pairs are listed up to this gap ... [m]
   double horizon = 0;      ///< ... plus what their relative velocity closes in this time [s]
   double extra_speed = 0;  ///< ... and this speed more, for what collisions change [m/s]
+  bool rebounds = false;   ///< velocities may turn within that time: any direction of the relative velocity counts
   double period = 0;       ///< along y; 0: not periodic [m]
   bool turns = false;      ///< keep the turns of the pairs too
 };

@@ -21,11 +21,14 @@ void Texture::add(const TextureConfig& config, double scale, double circumferenc
                       scale * (config.height_min_m + r[2] * (config.height_max_m - config.height_min_m)),
                       sigma_per_width * width});
     if (!periodic) continue;
-    Bump image = bumps_.back();
-    const double at = image.s, beyond = 2 * cut_off * image.sigma;
-    for (const double shift : {begin - end, end - begin}) {
-      image.s = at + shift;
-      if (image.s > begin - beyond && image.s < end + beyond) bumps_.push_back(image);
+    // A short period has images from many periods away.
+    const Bump bump = bumps_.back();
+    const double length = end - begin, beyond = 2 * cut_off * bump.sigma;
+    const double num_images = std::ceil(beyond / length) + 1;
+    for (double k = -num_images; k <= num_images; ++k) {
+      Bump image = bump;
+      image.s += k * length;
+      if (k != 0 && image.s > begin - beyond && image.s < end + beyond) bumps_.push_back(image);
     }
   }
   bin();

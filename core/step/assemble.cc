@@ -18,6 +18,8 @@ Float4 float4(const Eigen::Vector3d& v, double fourth) {
                 static_cast<float>(fourth)};
 }
 
+Float4 only_space(Float4 a) { return Float4{a[0], a[1], a[2], 0}; }
+
 Float4 float4(const Turn& t) { return Float4{t[0], t[1], t[2], 0}; }
 
 /// @param arm  distance of the centres over the sum of the radii
@@ -80,7 +82,9 @@ void find_wall_candidates(const World& world, const Balls& balls, std::span<cons
       const Eigen::Vector3d to = from + way;
       const auto begin = static_cast<std::uint32_t>(out.triangles.size());
       const Eigen::Vector3f p = from.cast<float>(), d = way.cast<float>();
-      const float reach = static_cast<float>(balls.radius[i] + beyond),
+      // What rebounds may go anywhere as far as it is fast.
+      const double turned = world.restitutive ? way.norm() : 0;
+      const float reach = static_cast<float>(balls.radius[i] + beyond + turned),
                   per_length = 1 / std::max(d.squaredNorm(), 1e-20f);
       const auto keep_if_near = [&](std::int32_t t) {
         const Eigen::Vector4f& sphere = wall.bounds[static_cast<std::size_t>(t)];
@@ -88,10 +92,11 @@ void find_wall_candidates(const World& world, const Balls& balls, std::span<cons
         const float along = std::clamp(away.dot(d) * per_length, 0.0f, 1.0f), within = sphere[3] + reach;
         if ((away - along * d).squaredNorm() <= within * within) append(out.triangles, t);
       };
-      if (wall.grid.cell_of(from) == wall.grid.cell_of(to)) {
+      if (turned == 0 && wall.grid.cell_of(from) == wall.grid.cell_of(to)) {
         for (const std::int32_t t : wall.grid.near(from)) keep_if_near(t);
       } else {
-        wall.grid.near(from.cwiseMin(to), from.cwiseMax(to), keep_if_near);
+        const Eigen::Array3d around = Eigen::Array3d::Constant(turned);
+        wall.grid.near(from.cwiseMin(to).array() - around, from.cwiseMax(to).array() + around, keep_if_near);
         std::sort(out.triangles.begin() + begin, out.triangles.end());
         out.triangles.erase(std::unique(out.triangles.begin() + begin, out.triangles.end()), out.triangles.end());
       }
@@ -233,6 +238,71 @@ void assemble_rows(const World& world, const BallState& state, std::span<const d
   }
 }
 
+namespace {
+
+/// Newton's law with friction may add energy where impacts are coupled (Kane and Levinson 1985). The impulses of each group of balls
+/// that is joined by them are scaled down until the group gains no more than moving walls do work on it: with velocities
+/// v + s dv the gain is b s + c s^2, the work w s, so s = (w - b) / c. Cones of friction and momentum are kept.
+void limit_energy(const Balls& balls, Assembly& a) {
+  const std::size_t num = balls.size();
+  std::vector<std::uint32_t>& group = a.impact_group;
+  group.resize(num);
+  for (std::uint32_t i = 0; i < num; ++i) group[i] = i;
+  const auto root = [&](std::uint32_t i) {
+    while (group[i] != i) i = group[i] = group[group[i]];
+    return i;
+  };
+  const std::vector<ContactRow>& rows = a.impact_problem.rows;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (a.impact_impulse[r][3] == 0 || rows[r].b >= num) continue;
+    const std::uint32_t one = root(rows[r].a), two = root(rows[r].b);
+    group[std::max(one, two)] = std::min(one, two);
+  }
+
+  // Of each group, at its root: b, c and w.
+  std::vector<std::array<double, 3>>& gain = a.impact_gain;
+  gain.assign(num, {0, 0, 0});
+  const auto before = [&](std::size_t i) {
+    return BodyVelocity{float4(balls.velocity[i], a.velocity[i].linear[3]), float4(balls.spin[i] * balls.radius[i], 0)};
+  };
+  for (std::uint32_t i = 0; i < num; ++i) {
+    const double inverse_mass = a.velocity[i].linear[3];
+    if (inverse_mass == 0) continue;
+    const BodyVelocity old = before(i);
+    std::array<double, 3>& sum = gain[root(i)];
+    for (int k = 0; k < 3; ++k) {
+      const double v = old.linear[k], dv = a.velocity[i].linear[k] - old.linear[k], spin = old.surface[k],
+                   turned = a.velocity[i].surface[k] - old.surface[k];
+      sum[0] += (v * dv + 0.4 * spin * turned) / inverse_mass;
+      sum[1] += 0.5 * (dv * dv + 0.4 * turned * turned) / inverse_mass;
+    }
+  }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (a.impact_impulse[r][3] == 0 || rows[r].b < num) continue;
+    const Float4 p = only_space(rows[r].normal) * a.impact_impulse[r][3] + only_space(a.impact_impulse[r]),
+                 work = p * a.velocity[rows[r].b].linear;
+    double sum = (work[0] + work[1]) + work[2];
+    if (!a.impact_turn.empty()) {
+      // Torque times the wall's angular velocity: turn impulse is over the arm, wall_turn has the arm in it.
+      const Float4 turn = a.impact_turn[r] * a.impact_problem.rotation[r].wall_turn;
+      sum += (turn[0] + turn[1]) + turn[2];
+    }
+    gain[root(rows[r].a)][2] += sum;
+  }
+  for (std::uint32_t i = 0; i < num; ++i) {
+    const auto& [b, c, w] = gain[root(i)];
+    if (!(b + c > w) || c == 0) continue;
+    const auto scale = static_cast<float>(std::max(0.0, (w - b) / c));
+    const BodyVelocity old = before(i);
+    const float inverse_mass = old.linear[3];
+    a.velocity[i].linear = old.linear + (a.velocity[i].linear - old.linear) * scale;
+    a.velocity[i].surface = old.surface + (a.velocity[i].surface - old.surface) * scale;
+    a.velocity[i].linear[3] = inverse_mass;
+  }
+}
+
+}  // namespace
+
 void resolve_impacts(const World& world, int iterations, std::span<const double> inverse_mass, Assembly& assembly,
                      BallState& state) {
   const double h = world.time_step;
@@ -249,7 +319,9 @@ void resolve_impacts(const World& world, int iterations, std::span<const double>
 
   // Rigid rows: -e u- where it collides, no approach where it touches, the gap elsewhere.
   assembly.impact_problem.rows = assembly.problem.rows;
+  assembly.impact_problem.rotation = assembly.problem.rotation;
   assembly.impact_impulse.assign(assembly.problem.rows.size(), Impulse{});
+  assembly.impact_turn.assign(assembly.problem.rotation.size(), TurnImpulse{});
   for (std::size_t i = 0; i < assembly.impact_problem.rows.size(); ++i) {
     ContactRow& row = assembly.impact_problem.rows[i];
     const double overlap = assembly.overlap[i];
@@ -262,21 +334,9 @@ void resolve_impacts(const World& world, int iterations, std::span<const double>
     row.regularization = 0;
     row.inverse_normal = 1 / pair_mass(row);
   }
-  solve(assembly.impact_problem, iterations, assembly.impact_impulse, {}, assembly.velocity);
+  solve(assembly.impact_problem, iterations, assembly.impact_impulse, assembly.impact_turn, assembly.velocity);
+  limit_energy(balls, assembly);
   store_velocities(assembly, balls);
-
-  // The regular stage starts from what the impacts left.
-  for (std::size_t i = 0; i < assembly.problem.rows.size(); ++i) {
-    ContactRow& row = assembly.problem.rows[i];
-    const double radius_a = balls.radius[row.a];
-    const double reduced =
-        row.surface == 0 ? radius_a * balls.radius[row.b] / (radius_a + balls.radius[row.b]) : radius_a;
-    const NormalRow now =
-        normal_row(law_of(world.surface(row.surface), reduced), assembly.overlap[i], separating(row), h);
-    row.normal[3] = static_cast<float>(now.bias);
-    row.regularization = static_cast<float>(now.regularization);
-    row.inverse_normal = 1 / (pair_mass(row) + row.regularization);
-  }
 }
 
 void load_velocities(const Balls& balls, std::span<const double> inverse_mass, Assembly& assembly) {

@@ -2,6 +2,7 @@
 /// solver.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "core/contact/wall_contact.h"
@@ -30,17 +31,20 @@ void find_wall_candidates(const World& world, const Balls& balls, std::span<cons
 /// Contact rows of one time step. Rows of pairs come first, in the order of the pair list, then those of the walls.
 struct Assembly {
   ContactProblem problem;
-  std::vector<float> overlap;              ///< (rows) > 0 pressed, < 0 open [m]
-  std::vector<Impulse> impulse;            ///< (rows)
-  std::vector<TurnImpulse> turn;           ///< (rows), or empty: no rolling or twisting resistance
-  std::vector<BodyVelocity> velocity;      ///< (balls, then one piece of wall per wall row)
-  std::vector<std::uint32_t> pair_of;      ///< (pair rows) index in state.pairs
-  std::vector<WallImpulse> walls;          ///< (wall rows) direction in the frame of the wall
-  std::vector<Eigen::Vector3f> attracted;  ///< (balls) impulse of cohesion [N s]; empty without cohesion
-  bool impacts = false;                    ///< some row is an impact with restitution
-  std::vector<WallContact> contacts;       ///< scratch
-  ContactProblem impact_problem;           ///< scratch
-  std::vector<Impulse> impact_impulse;     ///< scratch
+  std::vector<float> overlap;                      ///< (rows) > 0 pressed, < 0 open [m]
+  std::vector<Impulse> impulse;                    ///< (rows)
+  std::vector<TurnImpulse> turn;                   ///< (rows), or empty: no rolling or twisting resistance
+  std::vector<BodyVelocity> velocity;              ///< (balls, then one piece of wall per wall row)
+  std::vector<std::uint32_t> pair_of;              ///< (pair rows) index in state.pairs
+  std::vector<WallImpulse> walls;                  ///< (wall rows) direction in the frame of the wall
+  std::vector<Eigen::Vector3f> attracted;          ///< (balls) impulse of cohesion [N s]; empty without cohesion
+  bool impacts = false;                            ///< some row is an impact with restitution
+  std::vector<WallContact> contacts;               ///< scratch
+  ContactProblem impact_problem;                   ///< scratch
+  std::vector<Impulse> impact_impulse;             ///< scratch
+  std::vector<TurnImpulse> impact_turn;            ///< scratch
+  std::vector<std::uint32_t> impact_group;         ///< scratch
+  std::vector<std::array<double, 3>> impact_gain;  ///< scratch
 };
 
 /// Builds rows from positions and velocities at the beginning of the step (gaps, normals, impact or not, warm start).
@@ -48,7 +52,8 @@ void assemble_rows(const World& world, const BallState& state, std::span<const d
                    const WallCandidates& candidates, std::span<const Pose> poses, Assembly& out);
 
 /// Impact stage for restitution: velocities at which all rows that collide obey Newton's law u+ = -e u- and no other row approaches;
-/// then the rows' biases anew from these velocities. @param iterations  of Gauss-Seidel
+/// friction and resistance to rolling act under the impulses of the impact as under any other, and no energy is gained. The rows are
+/// then to be assembled anew. @param iterations  of Gauss-Seidel
 void resolve_impacts(const World& world, int iterations, std::span<const double> inverse_mass, Assembly& assembly,
                      BallState& state);
 

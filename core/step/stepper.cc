@@ -100,8 +100,11 @@ StepReport advance(const World& world, BallState& state, Workspace& work, const 
     } else {
       // Gaps, normals and biases from the state at the beginning of the step; impacts; then free fall.
       assemble_rows(world, state, work.inverse_mass, work.candidates, work.poses, work.assembly);
-      if (work.assembly.impacts)
+      if (work.assembly.impacts) {
         resolve_impacts(world, impact_iterations(world), work.inverse_mass, work.assembly, state);
+        // What rebounds meets others than what approached: without rows for these it runs into them, and flies apart.
+        assemble_rows(world, state, work.inverse_mass, work.candidates, work.poses, work.assembly);
+      }
       fall_freely(world, work, balls);
       load_velocities(balls, work.inverse_mass, work.assembly);
       clock.done(Phase::assemble);

@@ -26,7 +26,7 @@ Pose Motion::pose(double time) const {
   Eigen::Matrix3d turn;
   turn << c, -s, 0, s, c, 0, 0, 0, 1;
   const bool travelling = time >= travel_from && time < travel_to;
-  const double travelled = std::clamp(time, travel_from, std::max(travel_from, travel_to)) - travel_from;
+  const double travelled = std::max(0.0, std::min(time, travel_to) - travel_from);
   Eigen::Vector3d velocity = belt;
   if (travelling) velocity += travel;
   return {tilt * turn, origin + travelled * travel, tilt.col(2) * angular_velocity, velocity};
@@ -87,6 +87,7 @@ void World::update_search() {
   if (cohesive) search.margin = std::max(search.margin, physics.effects.cohesion_range_m);
   search.cell_size = 2 * largest_radius + search.margin + 0.8 * typical_speed_ * search.horizon;
   search.turns = rotation_resisted;
+  search.rebounds = restitutive;
 }
 
 double World::margin() const {

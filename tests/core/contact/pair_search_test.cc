@@ -54,6 +54,38 @@ TEST(PairSearch, lists_exactly_the_pairs_that_brute_force_finds) {
   }
 }
 
+TEST(PairSearch, lists_periodic_pairs_by_their_nearest_image_and_once) {
+  for (const double period : {0.12, 0.033}) {
+    // Of a crowd those far apart are left out where both balls are enclosed, so its speeds stay low.
+    for (const bool crowd : {true, false}) {
+      if (!crowd && period < 0.1) continue;
+      PairSearch search{0.016, 0.001, crowd ? 0.002 : 0.010, 0.1};
+      search.period = period;
+      DrumState state = crowd ? cloud(1200, 0.12) : cloud(40, 0.25);
+      if (!crowd)
+        for (Eigen::Vector3d& v : state.balls.velocity) v *= 4;
+      std::set<IdPair> expected;
+      std::size_t across = 0;
+      const Balls b = state.balls;
+      for (std::uint32_t i = 0; i < b.size(); ++i)
+        for (std::uint32_t j = i + 1; j < b.size(); ++j) {
+          Eigen::Vector3d apart = b.position[i] - b.position[j];
+          apart[1] -= period * std::round(apart[1] / period);
+          const double reach = b.radius[i] + b.radius[j] + search.margin +
+                               (search.extra_speed + (b.velocity[i] - b.velocity[j]).norm()) * search.horizon;
+          if (apart.norm() > reach) continue;
+          expected.insert({b.id[i], b.id[j]});
+          const auto wrapped = [&](double y) { return y - period * std::floor(y / period); };
+          across += std::abs(wrapped(b.position[i][1]) - wrapped(b.position[j][1])) > 0.5 * period ? 1 : 0;
+        }
+      PairSearchScratch scratch;
+      sort_and_find_pairs(search, state, scratch);
+      EXPECT_EQ(ids(state), expected) << period << ' ' << crowd;
+      EXPECT_GT(across, crowd ? 50u : 3u);
+    }
+  }
+}
+
 TEST(PairSearch, impulses_follow_their_balls_through_sorting_and_removal) {
   const PairSearch search{0.016, 0.001, 0.002, 0.1};
   DrumState state = cloud(400, 0.07);
