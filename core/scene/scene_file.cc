@@ -3,8 +3,15 @@
 #include <algorithm>
 
 #include "core/config/toml_fields.h"
+#include "core/scene/collapse.h"
+#include "core/scene/conveyor.h"
 #include "core/scene/drop.h"
+#include "core/scene/incline.h"
+#include "core/scene/packing.h"
+#include "core/scene/pile.h"
+#include "core/scene/rotating_drum.h"
 #include "core/scene/scene.h"
+#include "core/scene/slot.h"
 
 namespace drumsweep {
 namespace {
@@ -16,6 +23,13 @@ std::unique_ptr<Scene> make() {
 
 constexpr SceneType all_types[] = {
     {"drop", "one ball meets a plate, straight or obliquely: restitution, spin", make<DropScene>},
+    {"incline", "one ball or a small stack on a tilted plane: rest, rolling, decay of spin", make<InclineScene>},
+    {"packing", "balls settle in a box: packing fraction, coordination, forces on the walls", make<PackingScene>},
+    {"conveyor", "balls fall on a moving belt: profile, height and slope of the bed", make<ConveyorScene>},
+    {"collapse", "a column of balls collapses when its gate opens: run-out, height", make<CollapseScene>},
+    {"pile", "a heap of poured balls, or out of a lifted cylinder: angle of repose, packing", make<PileScene>},
+    {"slot", "a silo empties through a slot or a round orifice: discharge rate, bulk density", make<SlotScene>},
+    {"drum", "rotating drum: periodic slice, with end walls, or inclined and fed", make<RotatingDrumScene>},
 };
 
 /// Every key of a scene file, in its order.
