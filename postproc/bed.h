@@ -1,4 +1,4 @@
-/// The bed of balls on the moving belt (physics.md, section 6; S1, section 2): landings binned in the frame of the
+/// The bed of balls on the moving belt (S1, section 2): landings binned in the frame of the
 /// belt, then toppled to the friction angle. A bed covers whole turns of the drum and is periodic along the belt: the
 /// flow is stationary, so nothing is lost and nothing slumps at the strip's ends.
 #pragma once

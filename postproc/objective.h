@@ -1,4 +1,4 @@
-/// Unevenness f of the bed (S1, section 2; physics.md, section 6) and its statistical error.
+/// Unevenness f of the bed (S1, section 2) and its statistical error.
 ///
 ///   f = (1/N) sum_{n=1..N} w_n (|a_-n| + |a_n|),   2 N cells in the window,  w_n = 2^-(n-1)
 ///

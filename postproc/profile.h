@@ -1,4 +1,4 @@
-/// Height of the bed across the belt, averaged along it (physics.md, section 6).
+/// Height of the bed across the belt, averaged along it (S1, section 2).
 #pragma once
 
 #include <cstdint>

@@ -14,6 +14,16 @@ namespace drumsweep {
 std::span<const VerifyGroup> verify_groups() {
   static constexpr VerifyGroup groups[] = {
       {"oblique_impact", "a ball meets a plate obliquely, closed forms and measured", verify_oblique_impact},
+      {"closed_forms", "single balls and clusters: rest, rolling, decay, cohesion, conservation", verify_closed_forms},
+      {"static_pile", "a pile in a box: force balance, isostatic contacts without friction", verify_static_pile},
+      {"belt_bed", "the automaton of the bed against the bed ball by ball", verify_belt_bed},
+      {"column_collapse", "run-out of collapsing columns, measured", verify_column_collapse},
+      {"slot_discharge", "discharge through a slot over its width, measured", verify_slot_discharge},
+      {"pile_of_pellets", "angle of repose of green pellets, measured", verify_pile_of_pellets},
+      {"rotating_drum", "velocity profile, surface angle and speed in a drum of glass balls, measured",
+       verify_rotating_drum},
+      {"smooth_reference", "the nonsmooth step against explicit Hertz-Mindlin forces: drum and outflow",
+       verify_smooth_reference},
   };
   return groups;
 }

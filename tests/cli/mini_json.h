@@ -18,6 +18,7 @@ struct Json {
   std::vector<Json> list;
   std::map<std::string, Json> object;
 
+  bool has(const std::string& key) const { return object.count(key) != 0; }
   const Json& operator[](const std::string& key) const {
     const auto found = object.find(key);
     if (found == object.end()) throw std::runtime_error("no key " + key);

@@ -86,7 +86,7 @@ class Program {
       int status = 0;
       if (::waitpid(pid_, &status, WNOHANG) == pid_)
         code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-      else if (i > 24000) {
+      else if (i > 100000) {
         ADD_FAILURE() << "the program hangs; standard error:\n" << err();
         kill_all();
       } else
