@@ -13,6 +13,7 @@
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/effects/catalogue.h"
+#include "core/scene/scene.h"
 #include "core/step/world.h"
 #include "sweep/designs.h"
 #include "sweep/progress.h"
@@ -117,6 +118,12 @@ std::string effects_on(const Study& s) {
 }
 
 void check(const std::string& path) {
+  if (is_scene_file(path)) {
+    const SceneFile file = read_scene(path);
+    fmt::print("{}: valid scene \"{}\" ({}); next: drumsweep simulate {} -o result\n", path, file.name, file.type,
+               path);
+    return;
+  }
   const Study s = read_study(path);
   const Plan plan = plan_designs(s);
   const Estimate e = estimate(s);

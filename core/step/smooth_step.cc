@@ -51,7 +51,7 @@ struct Law {
     const double slope = 1.5 * k * root, e = surface.restitution;  // S
     // Dashpots act on the speed as it decays in the step, m v' = -c v, and take at most a quarter of it: a ball has up to a dozen
     // contacts, which would else throw it back together.
-    const auto in_step = [&](double c, double mass) { return std::min(-std::expm1(-h * c / mass), 0.5) * mass / h; };
+    const auto in_step = [&](double c, double mass) { return std::min(-std::expm1(-h * c / mass), 0.25) * mass / h; };
     double damping = k * surface.law.damping * root, part = 0;
     if (e > 0) {
       const double log = std::log(e), beta = -log / std::sqrt(log * log + std::numbers::pi * std::numbers::pi);

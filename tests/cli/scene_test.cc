@@ -24,6 +24,8 @@ TEST(Scene, simulate_runs_a_scene_file_and_says_all_that_it_says_of_a_design) {
   EXPECT_EQ(file_text(folder / "out/drop_observables.csv").rfind("name,position,position_unit,value,sigma,unit\n", 0),
             0u);
 
+  EXPECT_EQ(drumsweep(folder, {"check", "s/drop.toml"}).code, 0);
+
   // The file with every key written out is the same scene.
   const Finished again = drumsweep(folder, {"simulate", "s/drop_all_keys.toml", "-o", "out2", "--json"});
   ASSERT_EQ(again.code, 0) << again.err;
