@@ -96,7 +96,7 @@ TEST(ProjectedGaussSeidel, rolling_and_twisting_resistance_agree_with_the_dense_
   // Weak and strong resistance: some contacts roll, others are held.
   for (const double rolling : {0.02, 0.5})
     for (const double twisting : {0.0, 0.1})
-      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         for (const int iterations : {1, 5000}) {
           Case c = heap(seed, rolling, twisting);
           oracle::solve(c.spheres, c.contacts, iterations == 1 ? 1 : 20000);
