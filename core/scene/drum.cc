@@ -4,24 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "core/config/schema.h"
 #include "core/geometry/random.h"
+#include "core/scene/cpu_clock.h"
 #include "core/step/belt.h"
 #include "core/step/step_report.h"
 
 namespace drumsweep {
-namespace {
-
-double cpu_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-}  // namespace
-
 bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
              const std::function<void(const WarmState&)>& save) {
   const DrumModel model(study, warmup_outlet(study));
@@ -72,7 +62,7 @@ Study study_of_design(const Study& study, const Design& design) {
 
 Recording run_design(const Study& base, const DrumState& warm, const Design& design, const Observer& observer,
                      DrumState* final_state) {
-  const double cpu_begin = cpu_seconds();
+  const double cpu_begin = thread_cpu_seconds();
   const Study study = study_of_design(base, design);
   const DrumModel model(study, study.outlet);
   DrumState state = warm;
@@ -107,7 +97,7 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   out.feed_debt_kg = state.feed_debt_kg;
   out.quality = quality.mean();
   out.hash = state_hash(state);
-  out.cpu_s = cpu_seconds() - cpu_begin;
+  out.cpu_s = thread_cpu_seconds() - cpu_begin;
   if (final_state != nullptr) *final_state = std::move(state);
   return out;
 }

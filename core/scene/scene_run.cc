@@ -4,25 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "core/effects/catalogue.h"
 #include "core/geometry/random.h"
+#include "core/scene/cpu_clock.h"
 
 namespace drumsweep {
-namespace {
-
-double cpu_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-}  // namespace
-
 SceneRun::SceneRun(World w, const SceneObserver& observer, const Eigen::Vector3d& box_low,
                    const Eigen::Vector3d& box_high)
-    : world(std::move(w)), observer_(observer), low_(box_low), high_(box_high), cpu_begin_(cpu_seconds()) {}
+    : world(std::move(w)), observer_(observer), low_(box_low), high_(box_high), cpu_begin_(thread_cpu_seconds()) {}
 
 bool SceneRun::step(const char* what, double planned_end_s) {
   if (stopped_) return false;
@@ -106,7 +96,7 @@ SceneResult SceneRun::finish() {
   out.quality = quality_.mean();
   out.num_balls = num_added_;
   out.lost = lost_;
-  out.cpu_s = cpu_seconds() - cpu_begin_;
+  out.cpu_s = thread_cpu_seconds() - cpu_begin_;
   out.stopped = stopped_;
   return out;
 }

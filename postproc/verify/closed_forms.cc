@@ -9,6 +9,7 @@
 #include "core/scene/incline.h"
 #include "core/scene/scene_run.h"
 #include "postproc/verify/groups.h"
+#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
@@ -26,12 +27,6 @@ Physics lab_ball(const std::string& method, double h = 1e-3) {
 }
 double radius(const Physics& p) { return 0.5 * p.material.diameter_m; }
 double weight(const Physics& p) { return World(p, 1).mean_mass * gravity; }
-
-double value(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
 
 /// A statement that holds (1) or does not (0).
 VerifyCase statement(std::string name, std::string source, bool expected, double got, std::string note = "") {
@@ -74,7 +69,7 @@ void rest(const std::string& method, const std::string& tag, Cases& out) {
     scene.fit_from_s = 3.5;
     out.push_back(within(fmt::format("ball at rest: overlap [m], step {:g} ms{}", 1e3 * h, tag), "(m g/k)^(2/3)",
                          std::pow(weight(p) / p.material.stiffness_N_m15, 2.0 / 3), exact,
-                         value(scene.run(p, {}), "overlap")));
+                         observed(scene.run(p, {}), "overlap")));
   }
 }
 
@@ -89,14 +84,14 @@ void slip_to_roll(const std::string& method, const std::string& tag, Cases& out)
   scene.fit_from_s = 0.01;
   SceneResult r = scene.run(p, {});
   out.push_back(within("slip to roll: acceleration while it slips [m/s2]" + tag, "-mu g", -0.3 * gravity, exact,
-                       value(r, "acceleration")));
+                       observed(r, "acceleration")));
   out.push_back(within("slip to roll: growth of spin [rad/s2]" + tag, "5 mu g/(2 R)", 2.5 * 0.3 * gravity / radius(p),
-                       exact, value(r, "spin_acceleration")));
+                       exact, observed(r, "spin_acceleration")));
   scene.duration_s = 0.5;
   scene.fit_from_s = 0.2;
   r = scene.run(p, {});
-  out.push_back(within("slip to roll: final speed [m/s]" + tag, "5/7 u0", 5.0 / 7, exact, value(r, "speed")));
-  out.push_back(within("slip to roll: final spin R/speed" + tag, "1", 1, exact, value(r, "rolling")));
+  out.push_back(within("slip to roll: final speed [m/s]" + tag, "5/7 u0", 5.0 / 7, exact, observed(r, "speed")));
+  out.push_back(within("slip to roll: final spin R/speed" + tag, "1", 1, exact, observed(r, "rolling")));
 }
 
 void incline(const std::string& method, const std::string& tag, Cases& out) {
@@ -114,28 +109,28 @@ void incline(const std::string& method, const std::string& tag, Cases& out) {
   const auto rolls = [&](double angle) { return 5.0 / 7 * gravity * (std::sin(angle) - mu_r * std::cos(angle)); };
   const std::string law = "rests iff tan(theta) <= mu_r";
   out.push_back(statement("incline: rests at tan(theta) = 0.99 mu_r" + tag, law, true,
-                          value(run_at(std::atan(0.99 * mu_r)), "rests")));
+                          observed(run_at(std::atan(0.99 * mu_r)), "rests")));
   const SceneResult above = run_at(std::atan(1.01 * mu_r));
-  out.push_back(statement("incline: rests at tan(theta) = 1.01 mu_r" + tag, law, false, value(above, "rests")));
+  out.push_back(statement("incline: rests at tan(theta) = 1.01 mu_r" + tag, law, false, observed(above, "rests")));
   const std::string formula = "5/7 g (sin - mu_r cos)";
   out.push_back(within("incline: acceleration at tan(theta) = 1.01 mu_r [m/s2]" + tag, formula,
-                       rolls(std::atan(1.01 * mu_r)), exact, value(above, "acceleration")));
+                       rolls(std::atan(1.01 * mu_r)), exact, observed(above, "acceleration")));
   out.push_back(within("incline: acceleration at 1.5 theta_r [m/s2]" + tag, formula, rolls(1.5 * limit), exact,
-                       value(run_at(1.5 * limit), "acceleration")));
+                       observed(run_at(1.5 * limit), "acceleration")));
   p.effects.rolling_friction = 0;
   out.push_back(within("incline: acceleration without rolling resistance at 10 deg [m/s2]" + tag, "5/7 g sin",
                        5.0 / 7 * gravity * std::sin(std::numbers::pi / 18), exact,
-                       value(run_at(std::numbers::pi / 18), "acceleration")));
+                       observed(run_at(std::numbers::pi / 18), "acceleration")));
 
   // A ball that may not roll slides as a block.
   p.effects.rolling_friction = 1;
   p.material.friction = 0.3;
   const double angle = 1.2 * std::atan(0.3);
   out.push_back(statement("incline, rolling locked: rests at tan(theta) = 0.99 mu" + tag, "rests iff tan(theta) <= mu",
-                          true, value(run_at(std::atan(0.99 * 0.3)), "rests")));
+                          true, observed(run_at(std::atan(0.99 * 0.3)), "rests")));
   out.push_back(within("incline, rolling locked: acceleration [m/s2]" + tag, "g (sin - mu cos)",
                        gravity * (std::sin(angle) - 0.3 * std::cos(angle)), exact,
-                       value(run_at(angle), "acceleration")));
+                       observed(run_at(angle), "acceleration")));
 }
 
 void decays(const std::string& method, const std::string& tag, Cases& out) {
@@ -152,23 +147,23 @@ void decays(const std::string& method, const std::string& tag, Cases& out) {
   scene.spin_rad_s = spin;
   SceneResult r = scene.run(p, {});
   out.push_back(within("rolling decay of spin without friction [rad/s2]" + tag, "-5 mu_r g/(2 R)", -rate, exact,
-                       value(r, "spin_acceleration")));
+                       observed(r, "spin_acceleration")));
   out.push_back(within("rolling decay: spin after 0.5 s [rad/s]" + tag, "omega0 - 5 mu_r g t/(2 R)", spin - rate * 0.5,
-                       exact, value(r, "spin")));
+                       exact, observed(r, "spin")));
   p.material.friction = 0.7;
   scene.speed_m_s = spin * radius(p);
   out.push_back(within("rolling decay of a rolling ball [m/s2]" + tag, "-5/7 mu_r g", -5.0 / 7 * mu * gravity, exact,
-                       value(scene.run(p, {}), "acceleration")));
+                       observed(scene.run(p, {}), "acceleration")));
 
   p.effects.rolling_friction = 0;
   p.effects.twisting_friction = mu;
   scene.speed_m_s = scene.spin_rad_s = 0;
   scene.twist_rad_s = spin;
   r = scene.run(p, {});
-  out.push_back(
-      within("twisting decay of spin [rad/s2]" + tag, "-5 mu_t g/(2 R)", -rate, exact, value(r, "twist_acceleration")));
+  out.push_back(within("twisting decay of spin [rad/s2]" + tag, "-5 mu_t g/(2 R)", -rate, exact,
+                       observed(r, "twist_acceleration")));
   out.push_back(within("twisting decay: spin after 0.5 s [rad/s]" + tag, "omega0 - 5 mu_t g t/(2 R)", spin - rate * 0.5,
-                       exact, value(r, "twist")));
+                       exact, observed(r, "twist")));
 }
 
 void cohesion(const std::string& method, const std::string& tag, Cases& out) {
@@ -180,16 +175,16 @@ void cohesion(const std::string& method, const std::string& tag, Cases& out) {
   const double w = weight(p);
   const std::string law = "hangs iff m g <= pull-off force";
   p.effects.cohesion_force_N = 1.01 * w;
-  out.push_back(
-      statement("cohesion: hangs at a pull-off force of 1.01 m g" + tag, law, true, value(scene.run(p, {}), "rests")));
+  out.push_back(statement("cohesion: hangs at a pull-off force of 1.01 m g" + tag, law, true,
+                          observed(scene.run(p, {}), "rests")));
   p.effects.cohesion_force_N = 0.99 * w;
-  out.push_back(
-      statement("cohesion: hangs at a pull-off force of 0.99 m g" + tag, law, false, value(scene.run(p, {}), "rests")));
+  out.push_back(statement("cohesion: hangs at a pull-off force of 0.99 m g" + tag, law, false,
+                          observed(scene.run(p, {}), "rests")));
   p.effects.cohesion_force_N = 3 * w;
   scene.height_m = 0.4 * p.effects.cohesion_range_m;  // within reach: it is pulled up
   out.push_back(within("cohesion: overlap of a hanging ball [m]" + tag, "((F - m g)/k)^(2/3)",
                        std::pow(2 * w / p.material.stiffness_N_m15, 2.0 / 3), exact,
-                       value(scene.run(p, {}), "overlap")));
+                       observed(scene.run(p, {}), "overlap")));
 }
 
 void air_drag(const std::string& method, const std::string& tag, Cases& out) {
@@ -347,12 +342,12 @@ void stacks(const std::string& method, const std::string& tag, Cases& out) {
     p.material.wall_friction = 1;
     out.push_back(
         statement(fmt::format("pyramid of four balls stands at friction {:g} (sqrt(3) - sqrt(2)){}", part, tag),
-                  "tan(b/2), tan b = 1/sqrt(2)", part > 1, value(scene.run(p, {}), "stands")));
+                  "tan(b/2), tan b = 1/sqrt(2)", part > 1, observed(scene.run(p, {}), "stands")));
     p.material.friction = 0;
     p.effects.rolling_friction = part * mu_r;
     out.push_back(
         statement(fmt::format("pyramid of four frictionless balls on a rough plane stands at {:g} mu_r*{}", part, tag),
-                  "mu_r* = tan b/(4 + 1/cos b)", part > 1, value(scene.run(p, {}), "stands")));
+                  "mu_r* = tan b/(4 + 1/cos b)", part > 1, observed(scene.run(p, {}), "stands")));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/scene/drop.h"
 #include "postproc/verify/groups.h"
+#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
@@ -24,12 +25,6 @@ Physics kharaz() {
   return p;
 }
 
-double value(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
-
 }  // namespace
 
 std::vector<VerifyCase> verify_oblique_impact(const VerifyOptions&) {
@@ -45,14 +40,15 @@ std::vector<VerifyCase> verify_oblique_impact(const VerifyOptions&) {
     const double angle = row[0] * std::numbers::pi / 180, v_n = 3.9 * std::cos(angle), v_t = 3.9 * std::sin(angle);
     const bool slides = std::tan(angle) >= 3.5 * mu * (1 + e);
     const std::string at = fmt::format("{:g} deg", row[0]);
-    out.push_back(within("normal restitution at " + at, "Newton", e, 1e-3, value(r, "normal_restitution")));
+    out.push_back(within("normal restitution at " + at, "Newton", e, 1e-3, observed(r, "normal_restitution")));
     out.push_back(within("tangential restitution at " + at, slides ? "v_t - mu (1 + e) v_n" : "rolling, 5/7",
-                         slides ? 1 - mu * (1 + e) * v_n / v_t : 5.0 / 7, 1e-3, value(r, "tangential_restitution")));
+                         slides ? 1 - mu * (1 + e) * v_n / v_t : 5.0 / 7, 1e-3, observed(r, "tangential_restitution")));
     out.push_back(within("spin [rad/s] at " + at, slides ? "5/2 mu (1 + e) v_n / R" : "rolling, 5/7 v_t / R",
-                         slides ? 2.5 * mu * (1 + e) * v_n / 0.0025 : 5.0 / 7 * v_t / 0.0025, 1e-3, value(r, "spin")));
+                         slides ? 2.5 * mu * (1 + e) * v_n / 0.0025 : 5.0 / 7 * v_t / 0.0025, 1e-3,
+                         observed(r, "spin")));
     if (row[0] >= 35)
       out.push_back(within("tangential restitution, measured, at " + at, "Kharaz et al. 2001", row[1], 0.01,
-                           value(r, "tangential_restitution")));
+                           observed(r, "tangential_restitution")));
   }
 
   // The smooth step. Its dashpot (Antypov and Elliott 2011) gives e exactly; the explicit step of t_c/25 adds about 0.01 to it, in
@@ -68,7 +64,7 @@ std::vector<VerifyCase> verify_oblique_impact(const VerifyOptions&) {
       scene.speed_m_s = 3.9;
       scene.height_m = 0.001;
       VerifyCase row = within(fmt::format("normal restitution {:g}, smooth step at t_c/{:g}", restitution, steps),
-                              "Newton", restitution, 0.01, value(scene.run(smooth, {}), "normal_restitution"));
+                              "Newton", restitution, 0.01, observed(scene.run(smooth, {}), "normal_restitution"));
       if (steps < 100) {
         row.low = restitution - 0.02;
         row.high = restitution + 0.02;

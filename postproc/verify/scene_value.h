@@ -15,6 +15,9 @@ inline Estimate scene_value(const SceneResult& result, const std::string& name) 
   return {std::nan(""), std::nan("")};
 }
 
+/// Its value alone.
+inline double observed(const SceneResult& result, const std::string& name) { return scene_value(result, name).mean; }
+
 /// One column of the series of this name, empty where there is none.
 inline std::vector<double> scene_column(const SceneResult& result, const std::string& name, std::size_t column) {
   std::vector<double> out;

@@ -11,6 +11,7 @@
 #include "core/scene/rotating_drum.h"
 #include "postproc/child_process.h"
 #include "postproc/verify/groups.h"
+#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
@@ -82,12 +83,6 @@ Study with_outlet(bool full) {
   return study;
 }
 
-Estimate found(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return {o.value, o.sigma};
-  throw std::logic_error("no observable " + name);
-}
-
 /// Share of the balls that leave over the outlet's end, with its error from thirds of a turn.
 Estimate share_over_end(const Recording& r, double seconds_per_turn) {
   const auto num = static_cast<std::size_t>(std::lround(3 * r.turns));
@@ -115,8 +110,8 @@ std::optional<Outcome> compute(const Setting& setting, const DrumState& warm, co
   set(physics, setting);
   const SceneResult r = slice(options.full).run(physics, [&](const SceneProgress&) { return goes_on(); });
   if (r.stopped) return {};
-  out.speed = found(r, "surface_velocity");
-  out.angle = found(r, "charge_angle");
+  out.speed = scene_value(r, "surface_velocity");
+  out.angle = scene_value(r, "charge_angle");
   out.cpu_per_s_per_1000 = r.cpu_s / r.simulated_s / static_cast<double>(r.num_balls) * 1000;
   Study study = with_outlet(options.full);
   set(study, setting);

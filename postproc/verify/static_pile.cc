@@ -4,15 +4,10 @@
 
 #include "core/scene/packing.h"
 #include "postproc/verify/groups.h"
+#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
-
-double value(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
 
 /// What floor and walls bear of the weight, for rough balls of S1.
 void carried(const std::string& method, const VerifyOptions& options, std::vector<VerifyCase>& out) {
@@ -28,7 +23,7 @@ void carried(const std::string& method, const VerifyOptions& options, std::vecto
   if (r.stopped) return;
   out.push_back(within(
       fmt::format("pile in a box: upward force of floor and walls/weight{}", method == "smooth" ? ", smooth step" : ""),
-      "balance of forces, mean over 0.5 s", 1, 0.005, value(r, "carried")));
+      "balance of forces, mean over 0.5 s", 1, 0.005, observed(r, "carried")));
 }
 
 /// Frictionless balls. N rigid ones at rest have 3 N equations of force and so 3 N contacts: 6 ends of contacts a ball. What the
@@ -55,18 +50,18 @@ void isostatic(const VerifyOptions& options, std::vector<VerifyCase>& out) {
   for (const auto& [name, what] : {std::pair{"twice_contacts_per_ball", "all balls"},
                                    std::pair{"twice_contacts_without_rattlers", "without rattlers"}}) {
     VerifyCase row = within(fmt::format("frictionless packing: 2 x contacts/balls, {}", what),
-                            "isostatic: 3 N contacts for N balls", 6, 0.01, value(r, name));
-    row.note = fmt::format("mean overlap {:.2g} d, which adds {:.2g}", value(r, "mean_overlap"),
-                           7.7 * std::sqrt(3 * 0.64 * value(r, "mean_overlap")));
+                            "isostatic: 3 N contacts for N balls", 6, 0.01, observed(r, name));
+    row.note = fmt::format("mean overlap {:.2g} d, which adds {:.2g}", observed(r, "mean_overlap"),
+                           7.7 * std::sqrt(3 * 0.64 * observed(r, "mean_overlap")));
     out.push_back(row);
   }
   // Nothing but the floor bears weight, and nothing but the opposite wall holds a wall.
   out.push_back(within("frictionless packing: force on the floor/weight", "balance of forces", 1, 0.005,
-                       value(r, "floor_normal_force") / value(r, "weight")));
+                       observed(r, "floor_normal_force") / observed(r, "weight")));
   for (const std::string axis : {"x", "y"})
     out.push_back(within(
         fmt::format("frictionless packing: forces on the two walls across {}, ratio", axis), "balance of forces", 1,
-        0.005, value(r, "wall_" + axis + "_low_normal_force") / value(r, "wall_" + axis + "_high_normal_force")));
+        0.005, observed(r, "wall_" + axis + "_low_normal_force") / observed(r, "wall_" + axis + "_high_normal_force")));
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+/// CPU time of the calling thread, for what a run cost.
+#pragma once
+
+#include <ctime>
+
+namespace drumsweep {
+
+inline double thread_cpu_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace drumsweep
