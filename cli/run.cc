@@ -16,7 +16,7 @@ int run(const SweepOptions& options) {
   install_stop_signals();
   if (farm.rank() != 0) {
     // Rank 0 speaks for all, with the exit code too.
-    serve_sweep(farm);
+    serve_sweep(farm, options.threads);
     return exit_done;
   }
   const SweepOutcome outcome = run_sweep(farm, options);
@@ -45,6 +45,11 @@ void add_run(CLI::App& app, int& exit_code) {
       app.add_subcommand("run", "Run a study: warm-up if missing, all stages, table. Run again to go on.");
   command->add_option("STUDY", options->study_path, "study file (TOML)")->required();
   command->add_option("-o,--output", options->output, "output folder [default: STUDY's name + _result, here]");
+  command
+      ->add_option("--threads", options->threads,
+                   "threads of each rank; more ranks are better unless there are fewer designs than cores")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   command->footer(
       "Examples:\n"
       "  drumsweep run study/quick.toml -o out              on one core\n"

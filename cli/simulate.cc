@@ -13,6 +13,7 @@
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "core/io/scene_image.h"
+#include "core/parallel/parallel_for.h"
 #include "sweep/single_design.h"
 #include "sweep/stop.h"
 #include "sweep/store.h"
@@ -23,7 +24,10 @@ namespace {
 struct Options {
   std::string study, folder;
   std::vector<double> at;
+  int threads = 0;
   bool json = false;
+
+  int threads_to_use() const { return threads > 0 ? threads : available_threads(); }
 };
 
 std::string json_of(const std::vector<Observable>& observables) {
@@ -75,6 +79,7 @@ void print_text(const SingleDesign& d) {
 int simulate_scene(const Options& options) {
   if (!options.at.empty()) throw InputError("--at: is for studies; a scene has its numbers in its file");
   SceneFile file = read_scene(options.study);
+  file.scene->threads = options.threads_to_use();
   Reporter reporter;
   SceneResult r = file.scene->run(file.physics, [&](const SceneProgress& progress) {
     reporter.update(progress);
@@ -126,8 +131,8 @@ int simulate(const Options& options) {
     for (const std::string& key : keys_of_values(study)) at.push_back(get_number(study, key));
   }
   Reporter reporter;
-  const SingleDesign design =
-      run_single_design(study, at, std::filesystem::path(options.folder).lexically_normal().string(), reporter);
+  const SingleDesign design = run_single_design(
+      study, at, std::filesystem::path(options.folder).lexically_normal().string(), options.threads_to_use(), reporter);
   reporter.clear();
   if (design.stopped) {
     fmt::print(stderr, "drumsweep: stopped by {}; the warm-up goes on from its last window when run again\n",
@@ -156,6 +161,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->delimiter(',');
   command->add_option("-o,--output", options->folder, "folder; its warm_state.h5 is used again where it fits")
       ->required();
+  command->add_option("--threads", options->threads, "threads; 0: one a core. The result is the same bit for bit")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Example:\n  drumsweep simulate study/quick.toml --at 2,0.04 -o one --json\n"

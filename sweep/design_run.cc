@@ -3,29 +3,23 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <ctime>
 #include <new>
 #include <sstream>
 #include <stdexcept>
 
 #include "core/io/durable_file.h"
+#include "core/scene/cpu_clock.h"
 
 namespace drumsweep {
 
-double process_cpu_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
-                                 std::size_t index, const std::string& host, const Observer& observer) {
+                                 std::size_t index, const std::string& host, const Observer& observer, int threads) {
   const PlannedDesign& design = plan.designs.at(index);
   const auto begin = std::chrono::steady_clock::now();
-  const double cpu_begin = process_cpu_seconds();
+  const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
   DesignOutcome outcome{index, DesignOutcome::Kind::done, 0, 0, host, ""};
   try {
-    const Recording recording = run_design(study, warm, design.values, observer);
+    const Recording recording = run_design(study, warm, design.values, observer, threads);
     if (recording.stopped)
       outcome.kind = DesignOutcome::Kind::stopped;
     else
@@ -40,7 +34,7 @@ DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, c
     write_failure(paths, design, outcome.reason);
   }
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  outcome.cpu_s = process_cpu_seconds() - cpu_begin;
+  outcome.cpu_s = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin;
   return outcome;
 }
 

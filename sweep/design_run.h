@@ -21,13 +21,10 @@ struct DesignOutcome {
 /// Simulates the design and writes its recording (or its failure) durably before it returns.
 /// An exception out of the engine is this design's failure. @throws WriteError, std::bad_alloc: the machine's fault
 DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
-                                 std::size_t index, const std::string& host, const Observer& observer);
+                                 std::size_t index, const std::string& host, const Observer& observer, int threads = 1);
 
 /// As text for a message, and back.
 std::string pack_outcome(const DesignOutcome& outcome);
 DesignOutcome unpack_outcome(const std::string& text);
-
-/// CPU time of this process so far [s].
-double process_cpu_seconds();
 
 }  // namespace drumsweep

@@ -11,6 +11,8 @@
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
+#include "core/parallel/parallel_for.h"
+#include "core/scene/cpu_clock.h"
 #include "sweep/design_run.h"
 #include "sweep/progress.h"
 #include "sweep/provenance.h"
@@ -35,8 +37,8 @@ constexpr double table_interval_s = 10.0;
 
 class Master {
  public:
-  Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder)
-      : farm_(farm), study_(study), plan_(plan), store_(folder, study), rows_(plan.designs.size()) {
+  Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder, int threads)
+      : farm_(farm), study_(study), plan_(plan), threads_(threads), store_(folder, study), rows_(plan.designs.size()) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
     busy_.resize(static_cast<std::size_t>(farm.size()));
@@ -98,19 +100,21 @@ class Master {
     reporter_.info(warm.windows.empty() ? "warm-up: filling the empty drum"
                                         : fmt::format("warm-up: going on at turn {}", warm.windows.back().turns_end));
     const auto begin = Clock::now();
-    const double cpu_begin = process_cpu_seconds();
-    const bool ended = observed([&](const Observer& observer) {
-      return warm_up(study_, warm, observer, [&](const WarmState& w) {
-        write_durably(path, pack_warm_state(study_, w));
-        const WarmupWindow& last = w.windows.back();
-        reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
-                                   last.turns_end, last.fed, last.left, last.inside));
-      });
-    });
+    const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
+    const auto save = [&](const WarmState& w) {
+      write_durably(path, pack_warm_state(study_, w));
+      const WarmupWindow& last = w.windows.back();
+      reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
+                                 last.turns_end, last.fed, last.left, last.inside));
+    };
+    // The other ranks wait: where this one is not bound to a core, theirs are free.
+    const int threads = std::max(threads_, std::min(available_threads(), farm_.size()));
+    const bool ended =
+        observed([&](const Observer& observer) { return warm_up(study_, warm, observer, save, threads); });
     // A cap of no turns at all ends without a window and so without having been saved.
     if (ended && warm.windows.empty()) write_durably(path, pack_warm_state(study_, warm));
-    provenance_->add(
-        {"warm_up", "", 1, 0, farm_.host(), seconds_since(begin), process_cpu_seconds() - cpu_begin, "", ""});
+    provenance_->add({"warm_up", "", 1, 0, farm_.host(), seconds_since(begin),
+                      cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin, "", ""});
     if (ended && warm.steady)
       reporter_.info(fmt::format("warm-up: steady after {} turns with {} balls inside", warm.windows.back().turns_end,
                                  warm.state.balls.size()));
@@ -184,7 +188,7 @@ class Master {
     const std::optional<std::size_t> index = give(0);
     if (!index) return;
     const DesignOutcome outcome = observed([&](const Observer& observer) {
-      return simulate_and_store(store_.paths(), study_, warm_, plan_, *index, farm_.host(), observer);
+      return simulate_and_store(store_.paths(), study_, warm_, plan_, *index, farm_.host(), observer, threads_);
     });
     accept(0, outcome);
   }
@@ -378,6 +382,7 @@ class Master {
   Farm& farm_;
   const Study& study_;
   const Plan& plan_;
+  int threads_;
   Store store_;
   Reporter reporter_;
   std::optional<Provenance> provenance_;
@@ -422,7 +427,8 @@ SweepOutcome run_sweep(Farm& farm, const SweepOptions& options) {
     const std::string folder =
         options.output.empty() ? std::filesystem::path(options.study_path).stem().string() + "_result" : options.output;
     // The other ranks may have another current folder.
-    return Master(farm, study, plan, std::filesystem::absolute(folder).lexically_normal().string()).run();
+    return Master(farm, study, plan, std::filesystem::absolute(folder).lexically_normal().string(), options.threads)
+        .run();
   } catch (...) {
     send_home(farm);
     throw;

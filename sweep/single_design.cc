@@ -8,6 +8,7 @@
 
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "core/scene/cpu_clock.h"
 #include "postproc/objective.h"
 #include "postproc/result_table.h"
 #include "sweep/design_run.h"
@@ -48,8 +49,8 @@ Observable share(const std::string& name, std::uint8_t exit, const Recording& re
 }
 
 /// The warm drum of this folder: stored, completed, or made from nothing; false when a signal stopped it.
-bool make_warm_drum(const Study& study, const std::string& path, const Observer& observer, Reporter& reporter,
-                    WarmState& warm) {
+bool make_warm_drum(const Study& study, const std::string& path, const Observer& observer, int threads,
+                    Reporter& reporter, WarmState& warm) {
   try {
     if (auto stored = read_warm_state(path, study)) warm = std::move(*stored);
   } catch (const StoreError& error) {
@@ -61,7 +62,7 @@ bool make_warm_drum(const Study& study, const std::string& path, const Observer&
   }
   reporter.info("warm-up: no finished warm drum in the folder, making one");
   const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study, w)); };
-  if (!warm_up(study, warm, observer, save)) return false;
+  if (!warm_up(study, warm, observer, save, threads)) return false;
   if (warm.windows.empty()) save(warm);
   // Start from what is on disk, so that the next run from it gives the same bits.
   warm = read_warm_state(path, study).value();
@@ -124,24 +125,24 @@ std::vector<Observable> observables(const Study& base, const PlannedDesign& desi
 }
 
 SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,
-                               Reporter& reporter) {
+                               int threads, Reporter& reporter) {
   SingleDesign out;
   out.design = design_at(study, values);
   const OutputPaths paths{folder};
   make_folder(folder);
   const OutputLock lock(paths.lock());
-  const double cpu_begin = process_cpu_seconds();
+  const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
   const Observer observer = [&](const Progress& progress) {
     reporter.update(progress, {});
     return !stop_requested();
   };
 
   WarmState warm;
-  out.stopped = !make_warm_drum(study, paths.warm_state(), observer, reporter, warm);
+  out.stopped = !make_warm_drum(study, paths.warm_state(), observer, threads, reporter, warm);
   if (out.stopped) return out;
   out.steady = warm.steady;
 
-  out.recording = run_design(study, warm.state, out.design.values, observer);
+  out.recording = run_design(study, warm.state, out.design.values, observer, threads);
   out.stopped = out.recording.stopped;
   if (out.stopped) return out;
   out.observables = observables(study, out.design, out.recording);
@@ -153,7 +154,7 @@ SingleDesign run_single_design(const Study& study, const std::vector<double>& va
   out.observables_path = folder + "/" + out.design.id + "_observables.csv";
   write_durably(out.recording_path, pack_recording(study, out.design.id, out.design.values, out.recording));
   write_durably(out.observables_path, observables_csv(out.observables));
-  out.cpu_s = process_cpu_seconds() - cpu_begin;
+  out.cpu_s = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin;
   return out;
 }
 

@@ -37,6 +37,6 @@ std::vector<Observable> observables(const Study& study, const PlannedDesign& des
 /// Runs it in a folder of its own: FOLDER/warm_state.h5 is used where it fits and made where it is not, FOLDER/ID.h5
 /// and FOLDER/ID_observables.csv are written. @throws InputError, MismatchError, LockHeldError, WriteError
 SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,
-                               Reporter& reporter);
+                               int threads, Reporter& reporter);
 
 }  // namespace drumsweep

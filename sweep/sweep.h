@@ -13,6 +13,7 @@ namespace drumsweep {
 
 struct SweepOptions {
   std::string study_path;
+  int threads = 1;     ///< of each rank
   std::string output;  ///< empty: the study file's stem + "_result" in the current folder
 };
 
@@ -34,6 +35,6 @@ struct SweepOutcome {
 SweepOutcome run_sweep(Farm& farm, const SweepOptions& options);
 
 /// The job of every other rank: simulates what it is given until it is told to stop.
-void serve_sweep(Farm& farm);
+void serve_sweep(Farm& farm, int threads);
 
 }  // namespace drumsweep

@@ -19,6 +19,7 @@ constexpr int patience_ms = 20000;
 
 struct Worker {
   Farm& farm;
+  int threads;
   OutputPaths paths{};
   Study study{};
   Plan plan{};
@@ -54,8 +55,9 @@ struct Worker {
     std::exception_ptr trouble;
     DesignOutcome outcome{std::stoull(body), DesignOutcome::Kind::stopped, 0, 0, farm.host(), ""};
     if (!gave_up && !stop_requested())
-      outcome =
-          simulate_and_store(paths, study, warm.value().state, plan, outcome.index, outcome.host, [&](const Progress&) {
+      outcome = simulate_and_store(
+          paths, study, warm.value().state, plan, outcome.index, outcome.host,
+          [&](const Progress&) {
             // What goes wrong in serving must not look like a failure of the design: it is carried around the engine.
             try {
               return go_on();
@@ -63,7 +65,8 @@ struct Worker {
               trouble = std::current_exception();
               return false;
             }
-          });
+          },
+          threads);
     if (trouble) std::rethrow_exception(trouble);
     farm.send(0, Tag::done, pack_outcome(outcome));
   }
@@ -84,8 +87,8 @@ struct Worker {
 
 }  // namespace
 
-void serve_sweep(Farm& farm) {
-  Worker worker{farm};
+void serve_sweep(Farm& farm, int threads) {
+  Worker worker{farm, threads};
   int waited_ms = 0;
   while (!worker.told_to_stop) {
     if (farm.orphaned()) return;

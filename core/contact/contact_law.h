@@ -16,9 +16,6 @@
 /// gap 0 and never sink at all.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 namespace drumsweep {
 
 struct ContactLaw {
@@ -30,23 +27,17 @@ struct ContactLaw {
 };
 
 /// Row n.u + regularization * lambda = bias, with lambda in N s.
-struct NormalRow {
-  double bias;            ///< [m/s]
-  double regularization;  ///< [1/kg]
+template <class Real>
+struct NormalRowOf {
+  Real bias;            ///< [m/s]
+  Real regularization;  ///< [1/kg]
 };
+using NormalRow = NormalRowOf<double>;
 
+/// The row in double; that of sixteen contacts at a time has the same source, contact_law-inl.h.
 /// @param overlap  g > 0 pressed, < 0 open [m]
 /// @param separating_speed  n.u at the beginning of the step [m/s]
 /// @param h  time step [s]
-inline NormalRow normal_row(const ContactLaw& law, double overlap, double separating_speed, double h) {
-  constexpr double alpha = 1.25;
-  if (overlap < law.first_overlap || overlap <= 0) return {(overlap - 2 * law.first_overlap) / h, 0};
-  const double tau = std::max(law.damping / alpha, law.stabilization * h);
-  const double upsilon = 1 / (1 + 4 * tau / h);
-  const double push_out = 4 / (alpha * h) * upsilon * overlap;
-  if (separating_speed < -law.impact_speed) return {push_out, 0};
-  const double row_stiffness = alpha * law.stiffness * std::sqrt(overlap);
-  return {push_out + upsilon * separating_speed, 4 * upsilon / (h * h * row_stiffness)};
-}
+NormalRow normal_row(const ContactLaw& law, double overlap, double separating_speed, double h);
 
 }  // namespace drumsweep

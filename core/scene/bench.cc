@@ -40,6 +40,7 @@ BenchResult run_bench(const Study& base, const BenchOptions& options, const Obse
   // What the feed brings until the outlet runs full comes on top of the first filling.
   DrumState state = filled_drum(model, options.balls - balls_in_outlet);
   DrumWorkspace work;
+  work.threads = options.threads;
   const std::int64_t settle = steps_for_turns(model, options.settle_turns), last = settle + options.steps;
   const auto watch = [&](const char* what) {
     return !observer || observer({what, time_of(model, state.num_steps) / model.seconds_per_turn(),
@@ -54,6 +55,7 @@ BenchResult run_bench(const Study& base, const BenchOptions& options, const Obse
   ReportMean quality;
   // As a design's run begins: with the scratch of a steady drum, not of one that was just filled.
   work = DrumWorkspace{};
+  work.threads = options.threads;
   state.pairs.shrink_to_fit();
   const auto wall_begin = std::chrono::steady_clock::now();
   const std::clock_t cpu_begin = std::clock();

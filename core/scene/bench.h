@@ -10,6 +10,7 @@ struct BenchOptions {
   std::int64_t balls = 34500;  ///< about; the full lab drum holds this many when it is steady
   std::int64_t steps = 200;    ///< outer steps that are timed
   double settle_turns = 2.5;   ///< before
+  int threads = 1;
 };
 
 struct BenchResult {

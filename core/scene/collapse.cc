@@ -123,6 +123,7 @@ SceneResult CollapseScene::run(const Physics& physics, const SceneObserver& obse
 
   SceneRun run(std::move(world), observer, {x_low - 20 * d, periodic ? -2 * width_m : y_low - 20 * d, -20 * d},
                {x_high + 20 * d, periodic ? 3 * width_m : y_high + 20 * d, 2 * high});
+  run.threads = threads;
   if (rough)
     glue_base(run, x_low, x_high, channel ? 0 : -floor, channel ? width_m : floor,
               [&](double x, double y) { return channel || std::hypot(x, y) <= floor; });

@@ -193,6 +193,7 @@ SceneResult ConveyorScene::run(const Physics& physics, const SceneObserver& obse
 
   const double below = 0.1;
   SceneRun run(std::move(world), observer, {-before, -1, -1}, {length_m + 1, width_m + 1, sill + 1});
+  run.threads = threads;
   Source source(*this, physics.seed);
   std::int64_t spilled = 0, spilled_before = 0, removed = 0, removed_before = 0;
 

@@ -35,6 +35,7 @@ SceneResult DropScene::run(const Physics& physics, const SceneObserver& observer
   world.add_wall(std::move(plate), 0.1 * reach);
 
   SceneRun run(std::move(world), observer, Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach));
+  run.threads = threads;
   run.add({-v_t * approach, 0, radius + height_m}, {v_t, 0, -v_n});
   run.state.balls.spin.back() = Eigen::Vector3d(0, -spin_rad_s, 0);
   run.run_until("falling", end);

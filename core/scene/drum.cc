@@ -13,10 +13,11 @@
 
 namespace drumsweep {
 bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
-             const std::function<void(const WarmState&)>& save) {
+             const std::function<void(const WarmState&)>& save, int threads) {
   const DrumModel model(study, warmup_outlet(study));
   const WarmupConfig& config = study.warmup;
   DrumWorkspace work;
+  work.threads = threads;
   while (!warm.finished) {
     // One window; its end is counted from the empty drum, so windows do not depend on interruptions.
     const double end = config.window_turns * static_cast<double>(warm.windows.size() + 1);
@@ -61,8 +62,8 @@ Study study_of_design(const Study& study, const Design& design) {
 }
 
 Recording run_design(const Study& base, const DrumState& warm, const Design& design, const Observer& observer,
-                     DrumState* final_state) {
-  const double cpu_begin = thread_cpu_seconds();
+                     int threads, DrumState* final_state) {
+  const double cpu_begin = cpu_seconds_of_run(threads);
   const Study study = study_of_design(base, design);
   const DrumModel model(study, study.outlet);
   DrumState state = warm;
@@ -70,6 +71,7 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
 
   Recording out;
   DrumWorkspace work;
+  work.threads = threads;
   ReportMean quality;
   const double turns = study.record.adapt_turns + study.record.turns;
   const std::int64_t first = state.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
@@ -97,7 +99,7 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   out.feed_debt_kg = state.feed_debt_kg;
   out.quality = quality.mean();
   out.hash = state_hash(state);
-  out.cpu_s = thread_cpu_seconds() - cpu_begin;
+  out.cpu_s = cpu_seconds_of_run(threads) - cpu_begin;
   if (final_state != nullptr) *final_state = std::move(state);
   return out;
 }

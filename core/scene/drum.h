@@ -40,7 +40,7 @@ struct WarmState {
 /// @param save  called after every window: the state to keep for a restart; may be empty
 /// @return false when the observer stopped it; `warm` is then as at the last window and the steps since are lost
 bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
-             const std::function<void(const WarmState&)>& save);
+             const std::function<void(const WarmState&)>& save, int threads = 1);
 
 /// One design: values for keys of the study.
 using Design = std::vector<std::pair<std::string, double>>;
@@ -72,7 +72,7 @@ Study study_of_design(const Study& study, const Design& design);
 /// Runs one design: the warm state with its outlet replaced, adaptation, recording of whole turns.
 /// @param final_state  out, may be null: the state at the end
 Recording run_design(const Study& study, const DrumState& warm, const Design& design, const Observer& observer,
-                     DrumState* final_state = nullptr);
+                     int threads = 1, DrumState* final_state = nullptr);
 
 /// A drum with `num_balls` laid in layers into the lower part of it, at rest and without overlap: the quick way to a
 /// typical load, for benchmarks. A few turns make it flow steadily.

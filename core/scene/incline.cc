@@ -96,6 +96,7 @@ SceneResult InclineScene::run_ball(const Physics& physics, const SceneObserver& 
   // A falling ball may leave far below a ceiling: the box follows it.
   const double fall = reach + gravity * duration_s * duration_s;
   SceneRun run(std::move(world), observer, Eigen::Vector3d::Constant(-fall), Eigen::Vector3d::Constant(fall));
+  run.threads = threads;
   run.add({0, 0, radius - sunk + height_m}, {speed_m_s, 0, 0});
   run.state.balls.spin.back() = Eigen::Vector3d(0, spin_rad_s, twist_rad_s);
 
@@ -145,6 +146,7 @@ SceneResult InclineScene::run_stack(const Physics& physics, const SceneObserver&
   const double reach = 2 * (fastest * duration_s + 4 * d * n);
   SceneRun run(world_with_plane(physics, angle, fastest, reach), observer, Eigen::Vector3d::Constant(-reach),
                Eigen::Vector3d::Constant(reach));
+  run.threads = threads;
 
   // Touching balls: rows at x, layers shifted to lie in the hollows.
   const bool thick = stack == "pyramid";

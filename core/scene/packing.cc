@@ -140,6 +140,7 @@ SceneResult PackingScene::run(const Physics& physics, const SceneObserver& obser
 
   SceneRun run(std::move(world), observer, low - Eigen::Vector3d::Constant(10 * d),
                high + Eigen::Vector3d::Constant(10 * d));
+  run.threads = threads;
   std::vector<Eigen::Vector3d> places = lattice({0, 0, 0}, {width_m, depth_m, height}, largest, physics.seed);
   places.resize(static_cast<std::size_t>(num_balls));
   std::uint64_t index = 1u << 31;  // beyond the lattice's own draws

@@ -138,6 +138,7 @@ SceneResult PileScene::run(const Physics& physics, const SceneObserver& observer
   const double top = std::max({steepest, fill, source_height_m}) + source_height_m + 10 * d;
   const double wide = ground + 20 * d;
   SceneRun run(std::move(world), observer, {-wide, -wide, -20 * d}, {wide, wide, top});
+  run.threads = threads;
 
   const double glued = disc ? base_radius_m - 0.5 * d : ground;
   if (rough)

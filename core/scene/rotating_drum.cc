@@ -222,6 +222,7 @@ SceneResult RotatingDrumScene::run(const Physics& physics, const SceneObserver& 
   const double r = world.largest_radius, ball = world.mean_mass / physics.material.density_kg_m3, room = radius + 4 * r,
                beyond = 8 * r;
   SceneRun run(std::move(world), observer, {-room, -beyond, -room}, {room, length_m + beyond, room});
+  run.threads = threads;
   const double volume = std::isnan(fill) ? 0 : fill * fill_packing * std::numbers::pi * radius * radius * length_m;
   const std::int64_t wanted = num_balls > 0 ? num_balls : std::llround(volume / ball);
   const double free = walls.free_radius - 1.02 * r, end_gap = periodic ? 0 : 0.05 * r;

@@ -42,6 +42,8 @@ struct SceneResult {
 
 class Scene {
  public:
+  int threads = 1;  ///< of the run; results do not depend on it
+
   virtual ~Scene() = default;
   /// The keys of the [scene] table beside `type`.
   virtual void add_fields(FieldTable& table) = 0;

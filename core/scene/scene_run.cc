@@ -12,10 +12,12 @@
 namespace drumsweep {
 SceneRun::SceneRun(World w, const SceneObserver& observer, const Eigen::Vector3d& box_low,
                    const Eigen::Vector3d& box_high)
-    : world(std::move(w)), observer_(observer), low_(box_low), high_(box_high), cpu_begin_(thread_cpu_seconds()) {}
+    : world(std::move(w)), observer_(observer), low_(box_low), high_(box_high) {}
 
 bool SceneRun::step(const char* what, double planned_end_s) {
   if (stopped_) return false;
+  work_.threads = threads;
+  if (state.num_steps == 0) cpu_begin_ = cpu_seconds_of_run(threads);
   report_ = advance(world, state, work_, after_move);
   quality_.add(report_);
   lost_ += static_cast<std::int64_t>(remove([&](std::size_t i) {
@@ -96,7 +98,7 @@ SceneResult SceneRun::finish() {
   out.quality = quality_.mean();
   out.num_balls = num_added_;
   out.lost = lost_;
-  out.cpu_s = thread_cpu_seconds() - cpu_begin_;
+  out.cpu_s = cpu_seconds_of_run(threads) - cpu_begin_;
   out.stopped = stopped_;
   return out;
 }

@@ -15,6 +15,7 @@ class SceneRun {
   World world;
   BallState state;
   AfterMove after_move;  ///< may be empty
+  int threads = 1;       ///< results do not depend on it
 
   double time() const { return time_of(world, state.num_steps); }
   /// One outer step. @return false when the observer stops the run
@@ -49,7 +50,7 @@ class SceneRun {
   ReportMean quality_;
   std::int64_t num_added_ = 0, lost_ = 0;
   std::uint32_t next_id_ = 0;
-  double cpu_begin_;
+  double cpu_begin_ = 0;
   bool stopped_ = false;
 };
 

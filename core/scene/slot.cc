@@ -86,6 +86,7 @@ SceneResult SlotScene::run(const Physics& physics, const SceneObserver& observer
   const double wide = half + 20 * d;
   SceneRun run(std::move(world), observer, {-wide, slot ? -2 * depth_m : -wide, -10 * d},
                {wide, slot ? 3 * depth_m : wide, high + 10 * d});
+  run.threads = threads;
   std::size_t added = 0;
   for (const Eigen::Vector3d& at :
        loose_lattice(fill_low, {fill_high[0], fill_high[1], high}, 0.5 * d, physics.seed, in_silo))

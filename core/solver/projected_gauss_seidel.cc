@@ -1,115 +1,141 @@
 #include "core/solver/projected_gauss_seidel.h"
 
-#include <cmath>
+#include "core/parallel/parallel_for.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/solver/projected_gauss_seidel.cc"
+#include <hwy/foreach_target.h>
+
+#include "core/effects/rotation_resistance-inl.h"
+
+HWY_BEFORE_NAMESPACE();
 namespace drumsweep {
-namespace {
+namespace HWY_NAMESPACE {
 
-using Mask4 = std::int32_t __attribute__((vector_size(16)));
-constexpr Mask4 space = {-1, -1, -1, 0};
-
-Float4 only_space(Float4 a) { return (Float4)((Mask4)a & space); }
-
-Float4 cross(Float4 a, Float4 b) {
-  const Float4 c = a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
-  return __builtin_shufflevector(c, c, 1, 2, 0, 3);
-}
-
-float dot(Float4 a, Float4 b) {
-  const Float4 p = a * b;
-  return (p[0] + p[1]) + p[2];
-}
-
-/// Impulse p = normal n + tangent t on a, -p on b. Fourth lanes of n and t are 0; arm_n = c n.
-[[gnu::always_inline]] inline void push(BodyVelocity& a, BodyVelocity& b, Float4 n, Float4 arm_n, float normal,
-                                        Float4 t) {
-  const Float4 p = n * normal + t;
-  const Float4 turn = cross(arm_n, t) * 2.5f;
-  const float inverse_a = a.linear[3], inverse_b = b.linear[3];
-  a.linear += p * inverse_a;
-  b.linear -= p * inverse_b;
-  a.surface -= turn * inverse_a;
-  b.surface -= turn * inverse_b;
+/// Impulse p on a, -p on b, with the tangential part t.
+HWY_INLINE void Push(BodiesV& a, BodiesV& b, Vector3V arm_n, Vector3V p, Vector3V t, bool with_b) {
+  const Vector3V turn = Cross(arm_n, t) * hn::Set(FloatTag(), 2.5f);
+  a.linear = a.linear + p * a.inverse_mass;
+  a.surface = a.surface - turn * a.inverse_mass;
+  if (!with_b) return;
+  b.linear = b.linear - p * b.inverse_mass;
+  b.surface = b.surface - turn * b.inverse_mass;
 }
 
 /// Torque impulse q over the contact's arm on a, -q on b.
-[[gnu::always_inline]] inline void twist(BodyVelocity& a, BodyVelocity& b, const RotationRow& row, Float4 q) {
-  a.surface += q * (2.5f * row.a * a.linear[3]);
-  b.surface -= q * (2.5f * row.b * b.linear[3]);
+HWY_INLINE void Twist(BodiesV& a, BodiesV& b, const RotationArmsV& arms, Vector3V q, bool with_b) {
+  const FloatV k = hn::Set(FloatTag(), 2.5f);
+  a.surface = a.surface + q * hn::Mul(hn::Mul(k, arms.a), a.inverse_mass);
+  if (with_b) b.surface = b.surface - q * hn::Mul(hn::Mul(k, arms.b), b.inverse_mass);
 }
 
-/// Rolling and twisting resistance under the normal impulse `pressed`: stop the relative rotation, clip each part to its limit.
-[[gnu::always_inline]] inline void resist_rotation(const RotationRow& row, Float4 n, float pressed, BodyVelocity& a,
-                                                   BodyVelocity& b, TurnImpulse& turn) {
-  const Float4 rate = a.surface * row.a - b.surface * row.b - row.wall_turn;
-  const Float4 wanted = turn - rate * row.inverse;
-  float along = dot(n, wanted);
-  Float4 across = wanted - n * along;
-  const float most_along = row.twisting * pressed, most_across = row.rolling * pressed, squared = dot(across, across);
-  along = along > most_along ? most_along : (along < -most_along ? -most_along : along);
-  if (squared > most_across * most_across) across *= most_across / std::sqrt(squared);
-  const Float4 now = across + n * along;
-  twist(a, b, row, now - turn);
-  turn = now;
-}
+template <bool wall, bool turning, bool apply_only>
+HWY_INLINE void VisitPack(ContactPacks& packs, std::size_t p, BodyVelocity* HWY_RESTRICT velocity) {
+  const FloatTag d;
+  const ContactPack& row = packs.rows.data()[p];
+  ImpulsePack& impulse = packs.impulse.data()[p];
+  for (std::size_t lane = 0; lane < pack_width; lane += simd_lanes) {
+    BodiesV a = LoadBodies(velocity, row.a + lane), b;
+    if constexpr (wall)
+      b = WallBodies(Load3(packs.wall_velocity.data()[p].of, lane));
+    else
+      b = LoadBodies(velocity, row.b + lane);
+    const Vector3V n = Load3(row.normal, lane), old_t = Load3(impulse.tangent, lane);
+    const FloatV arm = hn::Load(d, row.arm + lane), old_n = hn::Load(d, impulse.normal + lane);
+    const Vector3V arm_n = n * arm;
+    FloatV new_n = old_n;
 
-}  // namespace
-
-void apply_impulses(const ContactProblem& problem, std::span<const Impulse> impulse, std::span<const TurnImpulse> turn,
-                    std::span<BodyVelocity> velocity) {
-  for (std::size_t i = 0; i < problem.rows.size(); ++i) {
-    const ContactRow& row = problem.rows[i];
-    if (impulse[i][3] == 0) continue;
-    const Float4 n = only_space(row.normal);
-    push(velocity[row.a], velocity[row.b], n, n * row.arm, impulse[i][3], only_space(impulse[i]));
-  }
-  for (std::size_t i = 0; i < problem.rotation.size(); ++i)
-    twist(velocity[problem.rows[i].a], velocity[problem.rows[i].b], problem.rotation[i], turn[i]);
-}
-
-namespace {
-
-template <bool with_rotation>
-void iterate(const ContactProblem& problem, int iterations, std::span<Impulse> impulse, std::span<TurnImpulse> turn,
-             std::span<BodyVelocity> velocity) {
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    for (std::size_t i = 0; i < problem.rows.size(); ++i) {
-      const ContactRow& row = problem.rows[i];
-      BodyVelocity &a = velocity[row.a], &b = velocity[row.b];
-
-      // Relative velocity of the two surfaces at the contact.
-      const Float4 n = only_space(row.normal), arm_n = n * row.arm;
-      const Float4 u = a.linear - b.linear + cross(arm_n, a.surface + b.surface);
-      const float u_n = dot(n, u);
+    if constexpr (apply_only) {
+      const FloatV pull = packs.pull.empty() ? hn::Zero(d) : hn::Load(d, packs.pull.data()[p].of + lane);
+      Push(a, b, arm_n, n * hn::Sub(old_n, pull) + old_t, old_t, !wall);
+    } else {
+      const FloatV w = hn::Add(a.inverse_mass, b.inverse_mass), sigma = hn::Load(d, row.regularization + lane);
+      const Vector3V u = SlidingVelocity(a, b, arm_n);
+      const FloatV u_n = Dot(n, u);
 
       // Normal impulse: solve the row, clip at zero.
-      const float old_n = impulse[i][3];
-      const float wanted = old_n + (row.normal[3] - u_n - row.regularization * old_n) * row.inverse_normal;
-      const float new_n = wanted > 0 ? wanted : 0;
+      const FloatV miss = hn::Sub(hn::Sub(hn::Load(d, row.bias + lane), u_n), hn::Mul(sigma, old_n));
+      const FloatV wanted = hn::Add(old_n, hn::Div(miss, hn::Max(hn::Add(w, sigma), hn::Set(d, 1e-30f))));
+      new_n = hn::IfThenElseZero(hn::Gt(wanted, hn::Zero(d)), wanted);
 
       // Friction: stop the tangential motion, clip to the disc.
-      const Float4 old_t = only_space(impulse[i]);
-      Float4 new_t = only_space(old_t - (u - n * u_n) * row.inverse_tangent);
-      const float limit = row.friction * new_n, squared = dot(new_t, new_t);
-      if (squared > limit * limit) new_t *= limit / std::sqrt(squared);
+      const FloatV inverse_tangent = hn::Div(hn::Set(d, 1.0f), TangentDiagonal(arm, w));
+      const Vector3V new_t =
+          Clip(old_t - (u - n * u_n) * inverse_tangent, hn::Mul(hn::Load(d, row.friction + lane), new_n));
 
-      push(a, b, n, arm_n, new_n - old_n, new_t - old_t);
-      impulse[i] = new_t;
-      impulse[i][3] = new_n;
-
-      if constexpr (with_rotation) resist_rotation(problem.rotation[i], n, new_n, a, b, turn[i]);
+      const Vector3V dt = new_t - old_t;
+      Push(a, b, arm_n, n * hn::Sub(new_n, old_n) + dt, dt, !wall);
+      Store3(new_t, impulse.tangent, lane);
+      hn::Store(new_n, d, impulse.normal + lane);
     }
+
+    // Rolling and twisting resistance under the normal impulse: stop the relative rotation, clip to the limits.
+    if constexpr (turning) {
+      Pack3& turn = packs.turn.data()[p];
+      const RotationArmsV arms = RotationArms<wall>(a, b);
+      const Vector3V old_q = Load3(turn.of, lane);
+      if constexpr (apply_only) {
+        Twist(a, b, arms, old_q, !wall);
+      } else {
+        Vector3V rate = a.surface * arms.a;
+        if constexpr (wall)
+          rate = rate - Load3(packs.wall_turn.data()[p].of, lane);
+        else
+          rate = rate - b.surface * arms.b;
+        const RotationLimits& limits = packs.limits.data()[p];
+        const Vector3V new_q = ClipTurn(old_q - rate * arms.inverse, n, hn::Mul(hn::Set(d, limits.rolling), new_n),
+                                        hn::Mul(hn::Set(d, limits.twisting), new_n));
+        Twist(a, b, arms, new_q - old_q, !wall);
+        Store3(new_q, turn.of, lane);
+      }
+    }
+
+    StoreBodies(a, velocity, row.a + lane);
+    if constexpr (!wall) StoreBodies(b, velocity, row.b + lane);
   }
 }
 
-}  // namespace
+template <bool turning, bool apply_only>
+HWY_INLINE void VisitBlock(ContactBlock& block, BodyVelocity* velocity) {
+  for (const std::uint32_t p : block.pairs.active) VisitPack<false, turning, apply_only>(block.pairs, p, velocity);
+  for (const std::uint32_t p : block.walls.active) VisitPack<true, turning, apply_only>(block.walls, p, velocity);
+}
 
-void solve(const ContactProblem& problem, int iterations, std::span<Impulse> impulse, std::span<TurnImpulse> turn,
-           std::span<BodyVelocity> velocity) {
-  if (problem.rotation.empty())
-    iterate<false>(problem, iterations, impulse, turn, velocity);
-  else
-    iterate<true>(problem, iterations, impulse, turn, velocity);
+void IterateBlock(ContactBlock& block, bool turning, BodyVelocity* velocity) {
+  turning ? VisitBlock<true, false>(block, velocity) : VisitBlock<false, false>(block, velocity);
+}
+
+void ApplyBlock(ContactBlock& block, bool turning, BodyVelocity* velocity) {
+  turning ? VisitBlock<true, true>(block, velocity) : VisitBlock<false, true>(block, velocity);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace drumsweep
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace drumsweep {
+
+HWY_EXPORT(IterateBlock);
+HWY_EXPORT(ApplyBlock);
+
+void apply_impulses(const ContactProblem& problem, int threads, std::span<BodyVelocity> velocity) {
+  const auto apply = HWY_DYNAMIC_DISPATCH(ApplyBlock);
+  for (const auto& phase : problem.phases)
+    parallel_for(threads, phase.size(), [&](std::size_t i) {
+      // Reads only: the visit that changes nothing shares its code with the one that does.
+      apply(const_cast<ContactBlock&>(problem.blocks[phase[i]]), problem.rotation_resisted, velocity.data());
+    });
+}
+
+void solve(ContactProblem& problem, int iterations, int threads, std::span<BodyVelocity> velocity) {
+  const auto iterate = HWY_DYNAMIC_DISPATCH(IterateBlock);
+  for (int iteration = 0; iteration < iterations; ++iteration)
+    for (const auto& phase : problem.phases)
+      parallel_for(threads, phase.size(), [&](std::size_t i) {
+        iterate(problem.blocks[phase[i]], problem.rotation_resisted, velocity.data());
+      });
 }
 
 }  // namespace drumsweep
+#endif

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/parallel/parallel_for.h"
+
 namespace drumsweep {
 namespace {
 
@@ -14,10 +16,13 @@ std::uint64_t mix(std::uint64_t x) {
 }
 
 template <class T>
-void pick(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> sorted;
-  sorted.reserve(order.size() + order.size() / 16 + 64);  // room for what the next steps feed
-  for (const std::uint32_t i : order) sorted.push_back(values[i]);
+void pick(std::vector<T>& values, const std::vector<std::uint32_t>& order, int threads, std::vector<T>& sorted) {
+  if (sorted.capacity() < order.size()) sorted.reserve(order.size() + order.size() / 16 + 64);  // room for what is fed
+  sorted.resize(order.size());
+  constexpr std::size_t chunk = 4096;
+  parallel_ranges(threads, order.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) sorted[i] = values[order[i]];
+  });
   values.swap(sorted);
 }
 
@@ -32,13 +37,26 @@ void Balls::add(const Eigen::Vector3d& at, double ball_radius, std::uint32_t bal
   exit.push_back(static_cast<std::uint8_t>(Exit::inside));
 }
 
-void Balls::reorder(const std::vector<std::uint32_t>& order) {
-  pick(position, order);
-  pick(velocity, order);
-  pick(spin, order);
-  pick(radius, order);
-  pick(id, order);
-  pick(exit, order);
+void Balls::reorder(const std::vector<std::uint32_t>& order, int threads, BallScratch& scratch) {
+  pick(position, order, threads, scratch.vectors);
+  pick(velocity, order, threads, scratch.vectors);
+  pick(spin, order, threads, scratch.vectors);
+  pick(radius, order, threads, scratch.numbers);
+  pick(id, order, threads, scratch.ids);
+  pick(exit, order, threads, scratch.bytes);
+}
+
+void Balls::keep(const std::vector<std::uint32_t>& ascending) {
+  const auto compact = [&](auto& values) {
+    for (std::size_t i = 0; i < ascending.size(); ++i) values[i] = values[ascending[i]];
+    values.resize(ascending.size());
+  };
+  compact(position);
+  compact(velocity);
+  compact(spin);
+  compact(radius);
+  compact(id);
+  compact(exit);
 }
 
 void drop_gone(BallState& state, const std::vector<char>& gone) {
@@ -50,7 +68,7 @@ void drop_gone(BallState& state, const std::vector<char>& gone) {
       place[i] = static_cast<std::uint32_t>(order.size());
       order.push_back(i);
     }
-  state.balls.reorder(order);
+  state.balls.keep(order);
 
   // Keeps the entries that `keep` accepts, and the turns beside them.
   const auto sieve = [](auto& contacts, std::vector<Turn>& turns, const auto& keep) {

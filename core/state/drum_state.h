@@ -10,6 +10,14 @@
 
 namespace drumsweep {
 
+/// Memory for sorting.
+struct BallScratch {
+  std::vector<Eigen::Vector3d> vectors;
+  std::vector<double> numbers;
+  std::vector<std::uint32_t> ids;
+  std::vector<std::uint8_t> bytes;
+};
+
 /// Balls, one entry each in all arrays; the order is that of the cells of the last contact search.
 struct Balls {
   std::vector<Eigen::Vector3d> position;  ///< in the room: x along the belt, y across it, z up [m]
@@ -21,8 +29,10 @@ struct Balls {
 
   std::size_t size() const { return position.size(); }
   void add(const Eigen::Vector3d& at, double ball_radius, std::uint32_t ball_id);
-  /// Puts old entry order[i] at place i in all arrays; entries not named are dropped.
-  void reorder(const std::vector<std::uint32_t>& order);
+  /// Puts old entry order[i] at place i in all arrays.
+  void reorder(const std::vector<std::uint32_t>& order, int threads, BallScratch& scratch);
+  /// Keeps the entries named, in ascending order.
+  void keep(const std::vector<std::uint32_t>& ascending);
 };
 
 /// A listed pair of balls and the impulse of the last time step on a (and minus that on b), the next warm start.

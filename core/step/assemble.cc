@@ -1,391 +1,332 @@
 #include "core/step/assemble.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "core/effects/rotation_resistance.h"
-#include "core/solver/projected_gauss_seidel.h"
+#include "core/parallel/parallel_for.h"
 #include "core/state/arrays.h"
+#include "core/step/contact_rows.h"
 
 namespace drumsweep {
 namespace {
 
-// A wall contact takes over the impulse of an old one whose normal was this near.
-constexpr float carried_direction = 0.8f;
+constexpr std::size_t chunk = 2048;
 
-Float4 float4(const Eigen::Vector3d& v, double fourth) {
-  return Float4{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
-                static_cast<float>(fourth)};
+void clear(ContactPacks& packs) {
+  packs.rows.clear();
+  packs.impulse.clear();
+  packs.wall_velocity.clear();
+  packs.turn.clear();
+  packs.wall_turn.clear();
+  packs.limits.clear();
+  packs.pull.clear();
+  packs.wall.clear();
+  packs.active.clear();
 }
 
-Float4 only_space(Float4 a) { return Float4{a[0], a[1], a[2], 0}; }
-
-Float4 float4(const Turn& t) { return Float4{t[0], t[1], t[2], 0}; }
-
-/// @param arm  distance of the centres over the sum of the radii
-ContactRow make_row(const Eigen::Vector3d& normal, const NormalRow& row, double arm, double inverse_mass,
-                    double friction, std::size_t a, std::size_t b, std::size_t surface) {
-  return {float4(normal, row.bias),
-          static_cast<float>(row.regularization),
-          static_cast<float>(1 / (inverse_mass + row.regularization)),
-          static_cast<float>(1 / ((1 + 2.5 * arm * arm) * inverse_mass)),
-          static_cast<float>(friction),
-          static_cast<std::uint32_t>(a),
-          static_cast<std::uint32_t>(b),
-          static_cast<float>(arm),
-          static_cast<std::uint32_t>(surface)};
+/// Adds packs whose lanes are idle. @param wall  its index, or null between balls @return index of the first pack
+std::size_t add_packs(const World& world, const Surface& surface, std::uint32_t idle_body, std::size_t num,
+                      const std::uint32_t* wall, ContactPacks& packs) {
+  ContactPack idle{};
+  std::fill(std::begin(idle.a), std::end(idle.a), idle_body);
+  std::fill(std::begin(idle.b), std::end(idle.b), idle_body);
+  std::fill(std::begin(idle.arm), std::end(idle.arm), 1.0f);
+  std::fill(std::begin(idle.bias), std::end(idle.bias), no_row);
+  const std::size_t first = packs.rows.size();
+  packs.rows.resize(first + num, idle);
+  packs.impulse.resize(first + num);
+  if (wall != nullptr) {
+    packs.wall.resize(first + num, *wall);
+    packs.wall_velocity.resize(first + num);
+  }
+  if (world.cohesive) packs.pull.resize(first + num);
+  if (world.rotation_resisted) {
+    packs.turn.resize(first + num);
+    packs.limits.resize(first + num, {static_cast<float>(surface.rolling), static_cast<float>(surface.twisting)});
+    if (wall != nullptr) packs.wall_turn.resize(first + num);
+  }
+  return first;
 }
 
-/// Impulse turned into the tangent plane of the new normal.
-Impulse flattened(const Eigen::Vector3d& tangent, double normal_impulse, const Eigen::Vector3d& normal) {
-  return float4(tangent - normal * normal.dot(tangent), normal_impulse);
+/// Packs pairs and gives them the impulses they had.
+void pack_pairs(const World& world, const PairList& list, std::span<const BallPair> pairs, std::uint32_t first_ball,
+                std::uint32_t end_ball, std::uint32_t idle_body, Packer& packer, ContactPacks& packs) {
+  packer.begin(first_ball, end_ball);
+  for (const BallPair& pair : pairs) packer.add(pair[0], pair[1]);
+  const std::vector<Packer::Lanes>& lanes = packer.finish();
+  std::size_t p = add_packs(world, world.balls, idle_body, lanes.size(), nullptr, packs);
+  for (const Packer::Lanes& pack : lanes) {
+    for (std::size_t lane = 0; lane < pack_width; ++lane) {
+      if (pack[lane] == Packer::none) continue;
+      const BallPair& pair = pairs[pack[lane]];
+      packs.rows[p].a[lane] = pair[0];
+      packs.rows[p].b[lane] = pair[1];
+      const std::uint32_t old = list.old_place(pair);
+      if (old == PairList::none) continue;
+      const PairImpulse& impulse = list.old[old];
+      packs.impulse[p].normal[lane] = impulse.normal;
+      for (std::size_t k = 0; k < 3; ++k) packs.impulse[p].tangent[k][lane] = impulse.tangent[k];
+      if (!list.old_turns.empty())
+        for (std::size_t k = 0; k < 3; ++k) packs.turn[p].of[k][lane] = list.old_turns[old][k];
+    }
+    ++p;
+  }
 }
 
-/// The surface's law for a contact with this reduced radius.
-ContactLaw law_of(const Surface& surface, double reduced_radius) {
-  ContactLaw law = surface.law;
-  law.stiffness = surface.stiffness(reduced_radius);
-  return law;
+void set_lane(const Eigen::Vector3d& v, float (&of)[3][pack_width], std::size_t lane) {
+  for (int k = 0; k < 3; ++k) of[k][lane] = static_cast<float>(v[k]);
+}
+Eigen::Vector3d lane_of(const float (&of)[3][pack_width], std::size_t lane) {
+  return {of[0][lane], of[1][lane], of[2][lane]};
 }
 
-/// An approach that Newton's law of impact governs: fast, and touching within the step.
-bool is_impact(const Surface& surface, double overlap, double separating, double h) {
-  return surface.restitution > 0 && separating < -surface.law.impact_speed && overlap - separating * h >= 0;
+RowInput row_input(const World& world, const Balls& balls, const Assembly& a) {
+  RowInput in;
+  in.position = balls.size() > 0 ? balls.position[0].data() : nullptr;
+  in.num_balls = static_cast<std::uint32_t>(balls.size());
+  in.velocity = a.velocity.data();
+  in.time_step = world.time_step;
+  in.margin = world.margin();
+  in.period = world.period;
+  in.warm_start = world.physics.solver.warm_start;
+  return in;
 }
 
-double friction_of(const Surface& surface, const Eigen::Vector3d& normal, const Eigen::Vector3d& relative,
-                   const Eigen::Vector3d& turning) {
-  if (!surface.friction_speed.on) return surface.friction;
-  const Eigen::Vector3d u = relative + normal.cross(turning);
-  return friction_at(surface.friction_speed, surface.friction, (u - normal * normal.dot(u)).norm());
-}
+/// Contacts of a slab's balls with walls: found in the wall's frame, solved in the room.
+bool find_wall_rows(const World& world, const RowInput& in, const Balls& balls, std::span<const Pose> poses,
+                    const Slab& slab, std::uint32_t idle_body, Packer& packer, SlabWalls& w, ContactPacks& packs) {
+  const double h = world.time_step, range = world.search.margin;
+  clear(packs);
+  w.old_impulse.swap(w.impulse);
+  w.old_turn.swap(w.turn);
+  w.impulse.clear();
+  w.turn.clear();
+  w.place.clear();
+  w.normal.clear();
+  w.velocity.clear();
+  w.overlap.clear();
+  WallMemory memory(w.old_impulse);
+  bool impacts = false;
 
-}  // namespace
-
-void find_wall_candidates(const World& world, const Balls& balls, std::span<const double> inverse_mass,
-                          std::span<const Pose> poses, WallCandidates& out) {
-  out.balls.clear();
-  out.triangles.clear();
-  // A ball's centre moves along a segment in the wall's frame; what it can touch lies within `beyond` and its radius of
-  // that segment.
-  const double horizon = world.physics.solver.outer_step_s,
-               beyond = world.search.margin + world.search.extra_speed * horizon;
-  for (std::size_t w = 0; w < world.walls.size(); ++w) {
-    const Wall& wall = world.walls[w];
-    const Pose& pose = poses[w];
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-      if (inverse_mass[i] == 0) continue;
-      const Eigen::Vector3d from = pose.to_body(balls.position[i]);
-      Eigen::Vector3d moved = (balls.velocity[i] - pose.wall_velocity(balls.position[i])) * horizon;
-      moved += world.gravity_vector * (horizon * horizon);
-      const Eigen::Vector3d way = pose.rotation.transpose() * moved;
-      const Eigen::Vector3d to = from + way;
-      const auto begin = static_cast<std::uint32_t>(out.triangles.size());
-      const Eigen::Vector3f p = from.cast<float>(), d = way.cast<float>();
-      // What rebounds may go anywhere as far as it is fast.
-      const double turned = world.restitutive ? way.norm() : 0;
-      const float reach = static_cast<float>(balls.radius[i] + beyond + turned),
-                  per_length = 1 / std::max(d.squaredNorm(), 1e-20f);
-      const auto keep_if_near = [&](std::int32_t t) {
-        const Eigen::Vector4f& sphere = wall.bounds[static_cast<std::size_t>(t)];
-        const Eigen::Vector3f away = sphere.head<3>() - p;
-        const float along = std::clamp(away.dot(d) * per_length, 0.0f, 1.0f), within = sphere[3] + reach;
-        if ((away - along * d).squaredNorm() <= within * within) append(out.triangles, t);
-      };
-      if (turned == 0 && wall.grid.cell_of(from) == wall.grid.cell_of(to)) {
-        for (const std::int32_t t : wall.grid.near(from)) keep_if_near(t);
-      } else {
-        const Eigen::Array3d around = Eigen::Array3d::Constant(turned);
-        wall.grid.near(from.cwiseMin(to).array() - around, from.cwiseMax(to).array() + around, keep_if_near);
-        std::sort(out.triangles.begin() + begin, out.triangles.end());
-        out.triangles.erase(std::unique(out.triangles.begin() + begin, out.triangles.end()), out.triangles.end());
+  for (std::size_t n = 0; n < w.candidates.balls.size();) {
+    // One wall: its contacts, then their packs.
+    const std::uint32_t index = w.candidates.balls[n].wall;
+    const Pose& pose = poses[index];
+    const Surface& surface = world.walls[index].surface;
+    const std::size_t first_contact = w.impulse.size();
+    packer.begin(slab.begin, slab.end);
+    for (; n < w.candidates.balls.size() && w.candidates.balls[n].wall == index; ++n) {
+      const NearWall& near = w.candidates.balls[n];
+      const Eigen::Vector3d& place = balls.position[near.ball];
+      const Eigen::Vector3d relative = balls.velocity[near.ball] - pose.wall_velocity(place);
+      const double radius = balls.radius[near.ball];
+      contacts_of(world, balls, near, w.candidates, pose, radius + std::max(range, relative.norm() * h), w.contacts);
+      memory.turn_to(near.wall, near.ball);
+      for (const WallContact& contact : w.contacts) {
+        const Eigen::Vector3d normal = pose.rotation * contact.normal;
+        const Eigen::Vector3d wall_velocity = pose.wall_velocity(place - normal * contact.distance);
+        const double gap = contact.distance - radius,
+                     separating = normal.dot(balls.velocity[near.ball] - wall_velocity);
+        if (gap > range && gap + separating * h > 0) continue;
+        packer.add(near.ball, near.ball);
+        append(w.normal, normal);
+        append(w.velocity, wall_velocity);
+        append(w.overlap, static_cast<float>(-gap));
+        const Eigen::Vector3f direction = contact.normal.cast<float>();
+        WallImpulse kept{near.ball, near.wall, {direction[0], direction[1], direction[2]}, {0, 0, 0}, 0};
+        Turn turn{};
+        const std::ptrdiff_t from = memory.take(direction);
+        if (from >= 0) {
+          const auto o = static_cast<std::size_t>(from);
+          kept.normal = w.old_impulse[o].normal;
+          for (int k = 0; k < 3; ++k) kept.tangent[k] = w.old_impulse[o].tangent[k];
+          if (o < w.old_turn.size()) turn = w.old_turn[o];
+        }
+        append(w.impulse, kept);
+        if (world.rotation_resisted) append(w.turn, turn);
       }
-      const auto end = static_cast<std::uint32_t>(out.triangles.size());
-      if (end > begin) append(out.balls, {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(w), begin, end});
     }
-  }
-}
 
-void assemble_rows(const World& world, const BallState& state, std::span<const double> inverse_mass,
-                   const WallCandidates& candidates, std::span<const Pose> poses, Assembly& out) {
-  const Balls& balls = state.balls;
-  const double h = world.time_step, margin = world.margin(), range = world.search.margin;
-  const bool warm = world.physics.solver.warm_start;
-  out.problem.rows.clear();
-  out.problem.rotation.clear();
-  out.overlap.clear();
-  out.impulse.clear();
-  out.turn.clear();
-  out.pair_of.clear();
-  out.walls.clear();
-  out.velocity.clear();
-  out.velocity.resize(balls.size());
-  out.impacts = false;
-  out.attracted.assign(world.cohesive ? balls.size() : 0, Eigen::Vector3f::Zero());
-
-  // A row is needed where the pair presses, is within the margin, or would close its gap within the step.
-  const auto needs_row = [&](double gap, double separating) { return gap <= margin || gap + separating * h <= 0; };
-
-  // Ball against ball.
-  const Surface& between = world.balls;
-  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
-    const PairImpulse& pair = state.pairs[k];
-    const Eigen::Vector3d apart = world.apart(balls.position[pair.a], balls.position[pair.b]);
-    const double radius_a = balls.radius[pair.a], radius_b = balls.radius[pair.b];
-    const double touching = radius_a + radius_b, squared = apart.squaredNorm();
-    const Eigen::Vector3d closing = balls.velocity[pair.a] - balls.velocity[pair.b];
-    const double cut = touching + range;
-    if (squared > cut * cut && apart.dot(closing) >= 0) continue;
-    const double distance = std::sqrt(squared);
-    if (distance == 0) continue;  // no direction; the neighbours push such a pair apart
-    const Eigen::Vector3d normal = apart / distance;
-    const double separating = normal.dot(closing), gap = distance - touching;
-    const double reduced = radius_a * radius_b / touching;
-    if (world.cohesive) {
-      const Eigen::Vector3f p = (normal * (attraction(between.cohesion_at(reduced), gap) * h)).cast<float>();
-      out.attracted[pair.a] -= p;
-      out.attracted[pair.b] += p;
-    }
-    if (!needs_row(gap, separating)) continue;
-    const double both = inverse_mass[pair.a] + inverse_mass[pair.b];
-    if (both == 0) continue;
-    out.impacts = out.impacts || is_impact(between, -gap, separating, h);
-    const double friction =
-        friction_of(between, normal, closing, radius_a * balls.spin[pair.a] + radius_b * balls.spin[pair.b]);
-    append(out.problem.rows, make_row(normal, normal_row(law_of(between, reduced), -gap, separating, h),
-                                      distance / touching, both, friction, pair.a, pair.b, 0));
-    append(out.pair_of, static_cast<std::uint32_t>(k));
-    append(out.overlap, static_cast<float>(-gap));
-    append(out.impulse,
-           warm && pair.normal > 0
-               ? flattened(Eigen::Vector3d(pair.tangent[0], pair.tangent[1], pair.tangent[2]), pair.normal, normal)
-               : Impulse{});
-    if (world.rotation_resisted) {
-      append(out.problem.rotation, rotation_row(radius_a, radius_b, inverse_mass[pair.a], inverse_mass[pair.b],
-                                                between.rolling, between.twisting, Float4{}));
-      append(out.turn,
-             warm && pair.normal > 0 && k < state.pair_turns.size() ? float4(state.pair_turns[k]) : TurnImpulse{});
-    }
-  }
-
-  // Ball against wall: found in the wall's frame, solved in the room. Old impulses are sorted by wall and ball, as the
-  // candidates are.
-  std::size_t old = 0;
-  for (const NearWall& near : candidates.balls) {
-    const Wall& wall = world.walls[near.wall];
-    const Pose& pose = poses[near.wall];
-    const Surface& surface = wall.surface;
-    const Eigen::Vector3d& place = balls.position[near.ball];
-    const Eigen::Vector3d relative = balls.velocity[near.ball] - pose.wall_velocity(place);
-    const double radius = balls.radius[near.ball];
-    wall_contacts(wall.mesh, {candidates.triangles.data() + near.begin, near.end - near.begin}, pose.to_body(place),
-                  radius + std::max(range, relative.norm() * h),
-                  wall.one_sided && balls.exit[near.ball] == static_cast<std::uint8_t>(Exit::inside), out.contacts);
-    const auto is_before = [&](const WallImpulse& w) {
-      return w.wall != near.wall ? w.wall < near.wall : w.ball < near.ball;
-    };
-    while (old < state.walls.size() && is_before(state.walls[old])) ++old;
-    std::uint32_t taken = 0;
-    for (const WallContact& contact : out.contacts) {
-      const Eigen::Vector3d normal = pose.rotation * contact.normal;
-      const Eigen::Vector3d wall_velocity = pose.wall_velocity(place - normal * contact.distance);
-      const Eigen::Vector3d closing = balls.velocity[near.ball] - wall_velocity;
-      const double gap = contact.distance - radius, separating = normal.dot(closing);
-      if (world.cohesive)
-        out.attracted[near.ball] -= (normal * (attraction(surface.cohesion_at(radius), gap) * h)).cast<float>();
-      if (!needs_row(gap, separating)) continue;
-
-      out.impacts = out.impacts || is_impact(surface, -gap, separating, h);
-      const double friction = friction_of(surface, normal, closing, radius * balls.spin[near.ball]);
-      append(out.problem.rows,
-             make_row(normal, normal_row(law_of(surface, radius), -gap, separating, h), 1, inverse_mass[near.ball],
-                      friction, near.ball, out.velocity.size(), near.wall + 1));
-      append(out.velocity, BodyVelocity{float4(wall_velocity, 0), Float4{}});
-      append(out.overlap, static_cast<float>(-gap));
-      const Eigen::Vector3f direction = contact.normal.cast<float>();
-      WallImpulse kept{near.ball, near.wall, {direction[0], direction[1], direction[2]}, {0, 0, 0}, 0};
-
-      // Warm start from the old contact of this ball with the nearest direction, each used once.
-      Impulse start{};
-      TurnImpulse start_turn{};
-      float best = carried_direction;
-      std::size_t from = state.walls.size();
-      for (std::size_t o = old;
-           warm && o < state.walls.size() && state.walls[o].ball == near.ball && state.walls[o].wall == near.wall;
-           ++o) {
-        const WallImpulse& w = state.walls[o];
-        const float alike =
-            direction[0] * w.direction[0] + direction[1] * w.direction[1] + direction[2] * w.direction[2];
-        if (alike > best && (taken >> (o - old) & 1u) == 0) {
-          best = alike;
-          from = o;
+    const std::vector<Packer::Lanes>& lanes = packer.finish();
+    const std::size_t first = add_packs(world, surface, idle_body, lanes.size(), &index, packs);
+    w.place.resize(w.impulse.size());
+    for (std::size_t k = 0; k < lanes.size(); ++k)
+      for (std::size_t lane = 0; lane < pack_width; ++lane) {
+        if (lanes[k][lane] == Packer::none) continue;
+        const std::size_t c = first_contact + lanes[k][lane], p = first + k;
+        const WallImpulse& kept = w.impulse[c];
+        w.place[c] = static_cast<std::uint32_t>(pack_width * p + lane);
+        packs.rows[p].a[lane] = kept.ball;
+        packs.rows[p].overlap[lane] = w.overlap[c];
+        set_lane(w.normal[c], packs.rows[p].normal, lane);
+        set_lane(w.velocity[c], packs.wall_velocity[p].of, lane);
+        packs.impulse[p].normal[lane] = kept.normal;
+        set_lane(pose.rotation * Eigen::Vector3d(kept.tangent[0], kept.tangent[1], kept.tangent[2]),
+                 packs.impulse[p].tangent, lane);
+        if (world.rotation_resisted) {
+          for (std::size_t x = 0; x < 3; ++x) packs.turn[p].of[x][lane] = w.turn[c][x];
+          set_lane(balls.radius[kept.ball] * pose.angular_velocity, packs.wall_turn[p].of, lane);
         }
       }
-      if (from < state.walls.size()) {
-        const WallImpulse& w = state.walls[from];
-        taken |= 1u << (from - old);
-        start = flattened(pose.rotation * Eigen::Vector3d(w.tangent[0], w.tangent[1], w.tangent[2]), w.normal, normal);
-        if (from < state.wall_turns.size()) start_turn = float4(state.wall_turns[from]);
-      }
-      append(out.impulse, start);
-      append(out.walls, kept);
-      if (world.rotation_resisted) {
-        append(out.problem.rotation, rotation_row(radius, 0, inverse_mass[near.ball], 0, surface.rolling,
-                                                  surface.twisting, float4(radius * pose.angular_velocity, 0)));
-        append(out.turn, start_turn);
-      }
-    }
+    impacts = make_wall_rows(in, surface, first, packs.rows.size(), packs) || impacts;
   }
+  return impacts;
 }
 
-namespace {
-
-/// Newton's law with friction may add energy where impacts are coupled (Kane and Levinson 1985). The impulses of each group of balls
-/// that is joined by them are scaled down until the group gains no more than moving walls do work on it: with velocities
-/// v + s dv the gain is b s + c s^2, the work w s, so s = (w - b) / c. Cones of friction and momentum are kept.
-void limit_energy(const Balls& balls, Assembly& a) {
-  const std::size_t num = balls.size();
-  std::vector<std::uint32_t>& group = a.impact_group;
-  group.resize(num);
-  for (std::uint32_t i = 0; i < num; ++i) group[i] = i;
-  const auto root = [&](std::uint32_t i) {
-    while (group[i] != i) i = group[i] = group[group[i]];
-    return i;
-  };
-  const std::vector<ContactRow>& rows = a.impact_problem.rows;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (a.impact_impulse[r][3] == 0 || rows[r].b >= num) continue;
-    const std::uint32_t one = root(rows[r].a), two = root(rows[r].b);
-    group[std::max(one, two)] = std::min(one, two);
-  }
-
-  // Of each group, at its root: b, c and w.
-  std::vector<std::array<double, 3>>& gain = a.impact_gain;
-  gain.assign(num, {0, 0, 0});
-  const auto before = [&](std::size_t i) {
-    return BodyVelocity{float4(balls.velocity[i], a.velocity[i].linear[3]), float4(balls.spin[i] * balls.radius[i], 0)};
-  };
-  for (std::uint32_t i = 0; i < num; ++i) {
-    const double inverse_mass = a.velocity[i].linear[3];
-    if (inverse_mass == 0) continue;
-    const BodyVelocity old = before(i);
-    std::array<double, 3>& sum = gain[root(i)];
-    for (int k = 0; k < 3; ++k) {
-      const double v = old.linear[k], dv = a.velocity[i].linear[k] - old.linear[k], spin = old.surface[k],
-                   turned = a.velocity[i].surface[k] - old.surface[k];
-      sum[0] += (v * dv + 0.4 * spin * turned) / inverse_mass;
-      sum[1] += 0.5 * (dv * dv + 0.4 * turned * turned) / inverse_mass;
-    }
-  }
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (a.impact_impulse[r][3] == 0 || rows[r].b < num) continue;
-    const Float4 p = only_space(rows[r].normal) * a.impact_impulse[r][3] + only_space(a.impact_impulse[r]),
-                 work = p * a.velocity[rows[r].b].linear;
-    double sum = (work[0] + work[1]) + work[2];
-    if (!a.impact_turn.empty()) {
-      // Torque times the wall's angular velocity: turn impulse is over the arm, wall_turn has the arm in it.
-      const Float4 turn = a.impact_turn[r] * a.impact_problem.rotation[r].wall_turn;
-      sum += (turn[0] + turn[1]) + turn[2];
-    }
-    gain[root(rows[r].a)][2] += sum;
-  }
-  for (std::uint32_t i = 0; i < num; ++i) {
-    const auto& [b, c, w] = gain[root(i)];
-    if (!(b + c > w) || c == 0) continue;
-    const auto scale = static_cast<float>(std::max(0.0, (w - b) / c));
-    const BodyVelocity old = before(i);
-    const float inverse_mass = old.linear[3];
-    a.velocity[i].linear = old.linear + (a.velocity[i].linear - old.linear) * scale;
-    a.velocity[i].surface = old.surface + (a.velocity[i].surface - old.surface) * scale;
-    a.velocity[i].linear[3] = inverse_mass;
-  }
+void list_inverse_masses(const World& world, const Balls& balls, std::vector<double>& out) {
+  out.resize(balls.size());
+  const bool alike = world.physics.effects.size_spread == 0;
+  const double typical = world.inverse_mass(0.5 * world.physics.material.diameter_m);
+  for (std::size_t i = 0; i < balls.size(); ++i)
+    out[i] = balls.exit[i] == static_cast<std::uint8_t>(Exit::fixed) ? 0
+             : alike && balls.radius[i] == 0.5 * world.physics.material.diameter_m
+                 ? typical
+                 : world.inverse_mass(balls.radius[i]);
 }
 
 }  // namespace
 
-void resolve_impacts(const World& world, int iterations, std::span<const double> inverse_mass, Assembly& assembly,
-                     BallState& state) {
-  const double h = world.time_step;
-  Balls& balls = state.balls;
-  load_velocities(balls, inverse_mass, assembly);
-  const auto separating = [&](const ContactRow& row) {
-    const Float4 u = assembly.velocity[row.a].linear - assembly.velocity[row.b].linear, p = u * row.normal;
-    return static_cast<double>((p[0] + p[1]) + p[2]);
-  };
-  // 1/m_a + 1/m_b
-  const auto pair_mass = [](const ContactRow& row) {
-    return 1 / ((1 + 2.5f * row.arm * row.arm) * row.inverse_tangent);
-  };
+bool Assembly::any_impact() const { return std::find(impacts.begin(), impacts.end(), 1) != impacts.end(); }
 
-  // Rigid rows: -e u- where it collides, no approach where it touches, the gap elsewhere.
-  assembly.impact_problem.rows = assembly.problem.rows;
-  assembly.impact_problem.rotation = assembly.problem.rotation;
-  assembly.impact_impulse.assign(assembly.problem.rows.size(), Impulse{});
-  assembly.impact_turn.assign(assembly.problem.rotation.size(), TurnImpulse{});
-  for (std::size_t i = 0; i < assembly.impact_problem.rows.size(); ++i) {
-    ContactRow& row = assembly.impact_problem.rows[i];
-    const double overlap = assembly.overlap[i];
-    const Surface& surface = world.surface(row.surface);
-    const double u = separating(row);
-    if (is_impact(surface, overlap, u, h))
-      row.normal[3] = static_cast<float>(-surface.restitution * u);
-    else
-      row.normal[3] = static_cast<float>(std::min(0.0, overlap / h));
-    row.regularization = 0;
-    row.inverse_normal = 1 / pair_mass(row);
+void find_contacts(const World& world, std::span<const Pose> poses, int threads, BallState& state,
+                   std::vector<double>& inverse_mass, Assembly& a) {
+  sort_and_find_pairs(world.search, threads, state, a.pairs);
+  const Balls& balls = state.balls;
+  const PairList& list = a.pairs;
+  list_inverse_masses(world, balls, inverse_mass);
+
+  const std::size_t num_slabs = list.num_slabs, num_blocks = a.num_blocks();
+  const auto num = static_cast<std::uint32_t>(balls.size());
+  if (a.walls.size() < num_slabs) a.walls.resize(num_slabs);
+  if (a.problem.blocks.size() < num_blocks) a.problem.blocks.resize(num_blocks);
+  a.packers.resize(static_cast<std::size_t>(std::max(1, threads)));
+  a.problem.rotation_resisted = world.rotation_resisted;
+  a.impacts.assign(num_blocks, 0);
+  a.problem.phases.resize(3);
+  for (auto& phase : a.problem.phases) phase.clear();
+  for (std::uint32_t s = 0; s < num_slabs; ++s) a.problem.phases[s % 2].push_back(s);
+  a.problem.phases[2].push_back(static_cast<std::uint32_t>(num_slabs));
+
+  // Impulses of walls go to the slab of their ball. The smooth step keeps its own lists.
+  const bool smooth = world.physics.step.method == "smooth";
+  for (std::size_t s = 0; s < num_slabs; ++s) {
+    a.walls[s].impulse.clear();
+    a.walls[s].turn.clear();
   }
-  solve(assembly.impact_problem, iterations, assembly.impact_impulse, assembly.impact_turn, assembly.velocity);
-  limit_energy(balls, assembly);
-  store_velocities(assembly, balls);
-}
+  for (std::size_t i = 0; i < state.walls.size() && !smooth; ++i) {
+    SlabWalls& w = a.walls[list.slab_of(state.walls[i].ball)];
+    append(w.impulse, state.walls[i]);
+    if (!state.wall_turns.empty()) append(w.turn, state.wall_turns[i]);
+  }
 
-void load_velocities(const Balls& balls, std::span<const double> inverse_mass, Assembly& assembly) {
-  for (std::size_t i = 0; i < balls.size(); ++i)
-    assembly.velocity[i] = {float4(balls.velocity[i], inverse_mass[i]), float4(balls.spin[i] * balls.radius[i], 0)};
-}
-
-void store_velocities(const Assembly& assembly, Balls& balls) {
-  // The solver works in float on velocities rounded from the state's; only its changes are added back.
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    const BodyVelocity& after = assembly.velocity[i];
-    for (int k = 0; k < 3; ++k) {
-      balls.velocity[i][k] +=
-          static_cast<double>(after.linear[k]) - static_cast<double>(static_cast<float>(balls.velocity[i][k]));
-      balls.spin[i][k] += (static_cast<double>(after.surface[k]) -
-                           static_cast<double>(static_cast<float>(balls.spin[i][k] * balls.radius[i]))) /
-                          balls.radius[i];
+  parallel_for(threads, num_blocks, [&](std::size_t s) {
+    ContactBlock& block = a.problem.blocks[s];
+    Packer& packer = a.packers[static_cast<std::size_t>(thread_number())];
+    const auto idle = static_cast<std::uint32_t>(num + s);
+    clear(block.pairs);
+    clear(block.walls);
+    if (s < num_slabs) find_wall_candidates(world, balls, list, s, inverse_mass, poses, a.walls[s].candidates);
+    if (smooth) return;
+    if (s == num_slabs) {
+      if (!list.apart.empty()) pack_pairs(world, list, list.apart, 0, num, idle, packer, block.pairs);
+      return;
     }
-  }
+    // Near pairs first and by themselves: packs of far ones mostly have no row and are passed over.
+    const Slab& slab = list.slabs[s];
+    const std::uint32_t end = list.reach_end(s);
+    pack_pairs(world, list, slab.near, slab.begin, end, idle, packer, block.pairs);
+    pack_pairs(world, list, slab.far, slab.begin, end, idle, packer, block.pairs);
+    sort_wall_impulses(a.walls[s].impulse, a.walls[s].turn);
+  });
 }
 
-void store_impulses(std::span<const Pose> poses, const Assembly& assembly, BallState& state) {
-  for (PairImpulse& pair : state.pairs) pair.normal = 0;
-  const std::size_t num_pairs = assembly.pair_of.size();
-  for (std::size_t r = 0; r < num_pairs; ++r) {
-    PairImpulse& pair = state.pairs[assembly.pair_of[r]];
-    const Impulse& p = assembly.impulse[r];
-    pair = {pair.a, pair.b, {p[0], p[1], p[2]}, p[3]};
-  }
-  state.walls = assembly.walls;
-  for (std::size_t w = 0; w < state.walls.size(); ++w) {
-    const Impulse& p = assembly.impulse[num_pairs + w];
-    const Eigen::Matrix3d to_body = poses[state.walls[w].wall].rotation.transpose();
-    const Eigen::Vector3f tangent = (to_body * Eigen::Vector3d(p[0], p[1], p[2])).cast<float>();
-    for (int k = 0; k < 3; ++k) state.walls[w].tangent[k] = tangent[k];
-    state.walls[w].normal = p[3];
-  }
+void load_velocities(const Balls& balls, std::span<const double> inverse_mass, int threads, Assembly& a) {
+  const std::size_t num = balls.size();
+  a.velocity.resize(num + a.num_blocks());
+  for (std::size_t i = num; i < a.velocity.size(); ++i) a.velocity[i] = {{0, 0, 0}, 0, {0, 0, 0}, 1};
+  parallel_ranges(threads, num, chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      BodyVelocity& body = a.velocity[i];
+      const double radius = balls.radius[i];
+      for (int k = 0; k < 3; ++k) {
+        body.linear[k] = static_cast<float>(balls.velocity[i][k]);
+        body.surface[k] = static_cast<float>(balls.spin[i][k] * radius);
+      }
+      body.inverse_mass = static_cast<float>(inverse_mass[i]);
+      body.radius = static_cast<float>(radius);
+    }
+  });
+}
 
-  // Turns of pairs without a row are forgotten with their impulses: they are not read while normal is 0.
-  if (assembly.turn.empty()) {
-    state.pair_turns.clear();
-    state.wall_turns.clear();
-    return;
+void make_rows(const World& world, const Balls& balls, std::span<const Pose> poses, int threads, Assembly& a) {
+  const RowInput in = row_input(world, balls, a);
+  parallel_for(threads, a.num_blocks(), [&](std::size_t s) {
+    ContactBlock& block = a.problem.blocks[s];
+    bool impacts = make_pair_rows(in, world.balls, block.pairs);
+    if (s < a.pairs.num_slabs)
+      impacts = find_wall_rows(world, in, balls, poses, a.pairs.slabs[s], static_cast<std::uint32_t>(balls.size() + s),
+                               a.packers[static_cast<std::size_t>(thread_number())], a.walls[s], block.walls) ||
+                impacts;
+    a.impacts[s] = impacts ? 1 : 0;
+  });
+}
+
+void store_velocities(const Assembly& a, double h, int threads, Balls& balls) {
+  // The solver works in float on velocities rounded from the state's; only its changes are added back.
+  parallel_ranges(threads, balls.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const BodyVelocity& after = a.velocity[i];
+      const double radius = balls.radius[i];
+      for (int k = 0; k < 3; ++k) {
+        balls.velocity[i][k] +=
+            static_cast<double>(after.linear[k]) - static_cast<double>(static_cast<float>(balls.velocity[i][k]));
+        balls.spin[i][k] += (static_cast<double>(after.surface[k]) -
+                             static_cast<double>(static_cast<float>(balls.spin[i][k] * radius))) /
+                            radius;
+      }
+      balls.position[i] += h * balls.velocity[i];
+    }
+  });
+}
+
+void keep_wall_impulses(const World& world, std::span<const Pose> poses, int threads, Assembly& a) {
+  parallel_for(threads, a.pairs.num_slabs, [&](std::size_t s) {
+    SlabWalls& w = a.walls[s];
+    const ContactPacks& packs = a.problem.blocks[s].walls;
+    for (std::size_t c = 0; c < w.impulse.size(); ++c) {
+      const std::size_t p = w.place[c] / pack_width, lane = w.place[c] % pack_width;
+      WallImpulse& kept = w.impulse[c];
+      kept.normal = packs.impulse[p].normal[lane];
+      const Eigen::Vector3d tangent = poses[kept.wall].rotation.transpose() * lane_of(packs.impulse[p].tangent, lane);
+      for (int k = 0; k < 3; ++k) kept.tangent[k] = static_cast<float>(tangent[k]);
+      if (world.rotation_resisted)
+        for (std::size_t k = 0; k < 3; ++k) w.turn[c][k] = packs.turn[p].of[k][lane];
+    }
+  });
+}
+
+void store_impulses(const Assembly& a, BallState& state) {
+  state.pairs.clear();
+  state.pair_turns.clear();
+  state.walls.clear();
+  state.wall_turns.clear();
+  for (std::size_t s = 0; s < a.num_blocks(); ++s) {
+    const ContactPacks& packs = a.problem.blocks[s].pairs;
+    for (const std::uint32_t p : packs.active)
+      for (std::size_t lane = 0; lane < pack_width; ++lane) {
+        const ImpulsePack& impulse = packs.impulse[p];
+        if (!(impulse.normal[lane] > 0)) continue;
+        append(state.pairs, PairImpulse{packs.rows[p].a[lane],
+                                        packs.rows[p].b[lane],
+                                        {impulse.tangent[0][lane], impulse.tangent[1][lane], impulse.tangent[2][lane]},
+                                        impulse.normal[lane]});
+        if (!packs.turn.empty())
+          append(state.pair_turns,
+                 Turn{packs.turn[p].of[0][lane], packs.turn[p].of[1][lane], packs.turn[p].of[2][lane]});
+      }
+    if (s == a.pairs.num_slabs) continue;
+    for (const WallImpulse& w : a.walls[s].impulse) append(state.walls, w);
+    for (const Turn& t : a.walls[s].turn) append(state.wall_turns, t);
   }
-  const auto turn = [](const TurnImpulse& q) { return Turn{q[0], q[1], q[2]}; };
-  state.pair_turns.resize(state.pairs.size());
-  for (std::size_t r = 0; r < num_pairs; ++r) state.pair_turns[assembly.pair_of[r]] = turn(assembly.turn[r]);
-  state.wall_turns.resize(state.walls.size());
-  for (std::size_t w = 0; w < state.walls.size(); ++w) state.wall_turns[w] = turn(assembly.turn[num_pairs + w]);
 }
 
 }  // namespace drumsweep

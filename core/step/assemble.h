@@ -1,69 +1,63 @@
-/// From balls and walls to the contact problem of one time step and back: the only file that knows both contacts and
-/// solver.
+/// From balls and walls to the contact problem of one time step and back: the only files that know both contacts and
+/// solver are this one and its siblings contact_rows and impacts.
 #pragma once
 
-#include <array>
 #include <span>
 
-#include "core/contact/wall_contact.h"
+#include "core/contact/pair_search.h"
 #include "core/solver/contact_problem.h"
-#include "core/state/drum_state.h"
-#include "core/step/world.h"
+#include "core/solver/packer.h"
+#include "core/step/wall_search.h"
 
 namespace drumsweep {
 
-/// Triangles that one ball may touch before the next contact search.
-struct NearWall {
-  std::uint32_t ball, wall;
-  std::uint32_t begin, end;  ///< range in WallCandidates::triangles
-};
-struct WallCandidates {
-  std::vector<NearWall> balls;  ///< by wall, then by ball
-  std::vector<std::int32_t> triangles;
+/// What one slab's balls have to do with walls.
+struct SlabWalls {
+  WallCandidates candidates;
+  std::vector<WallImpulse>
+      impulse;             ///< of the last time step, by wall and ball; directions and tangents in the wall's frame
+  std::vector<Turn> turn;  ///< likewise, or empty
+  std::vector<WallImpulse> old_impulse;
+  std::vector<Turn> old_turn;
+  std::vector<std::uint32_t> place;  ///< (contacts of this step) pack_width * pack + lane
+  std::vector<WallContact> contacts;
+  std::vector<Eigen::Vector3d> normal, velocity;  ///< (contacts) in the room
+  std::vector<float> overlap;                     ///< (contacts) [m]
 };
 
-/// Lists, for every ball near a wall, the triangles within its reach: contact distance, margin, and what it can
-/// travel relative to the wall in one outer step.
-/// @param inverse_mass  (balls) 0 for balls that never move
-void find_wall_candidates(const World& world, const Balls& balls, std::span<const double> inverse_mass,
-                          std::span<const Pose> poses, WallCandidates& candidates);
-
-/// Contact rows of one time step. Rows of pairs come first, in the order of the pair list, then those of the walls.
+/// Contacts of an outer step, and the contact problem of each of its sub-steps. One block of the problem a slab, and one more for pairs
+/// of slabs that are no neighbours.
 struct Assembly {
+  PairList pairs;
+  std::vector<SlabWalls> walls;  ///< (slabs)
   ContactProblem problem;
-  std::vector<float> overlap;                      ///< (rows) > 0 pressed, < 0 open [m]
-  std::vector<Impulse> impulse;                    ///< (rows)
-  std::vector<TurnImpulse> turn;                   ///< (rows), or empty: no rolling or twisting resistance
-  std::vector<BodyVelocity> velocity;              ///< (balls, then one piece of wall per wall row)
-  std::vector<std::uint32_t> pair_of;              ///< (pair rows) index in state.pairs
-  std::vector<WallImpulse> walls;                  ///< (wall rows) direction in the frame of the wall
-  std::vector<Eigen::Vector3f> attracted;          ///< (balls) impulse of cohesion [N s]; empty without cohesion
-  bool impacts = false;                            ///< some row is an impact with restitution
-  std::vector<WallContact> contacts;               ///< scratch
-  ContactProblem impact_problem;                   ///< scratch
-  std::vector<Impulse> impact_impulse;             ///< scratch
-  std::vector<TurnImpulse> impact_turn;            ///< scratch
-  std::vector<std::uint32_t> impact_group;         ///< scratch
-  std::vector<std::array<double, 3>> impact_gain;  ///< scratch
+  std::vector<BodyVelocity> velocity;  ///< (balls, then one for the idle lanes of each block)
+  std::vector<char> impacts;           ///< (blocks) whether some row is an impact with restitution
+  std::vector<Packer> packers;         ///< (threads)
+
+  std::size_t num_blocks() const { return pairs.num_slabs + 1; }
+  bool any_impact() const;
 };
 
-/// Builds rows from positions and velocities at the beginning of the step (gaps, normals, impact or not, warm start).
-void assemble_rows(const World& world, const BallState& state, std::span<const double> inverse_mass,
-                   const WallCandidates& candidates, std::span<const Pose> poses, Assembly& out);
+/// Contact search, once for all sub-steps: sorts the balls, lists what may touch before the next one, packs it, and takes the impulses
+/// out of the state.
+/// @param inverse_mass  out: (balls) 0 for balls that never move [1/kg]
+void find_contacts(const World& world, std::span<const Pose> poses, int threads, BallState& state,
+                   std::vector<double>& inverse_mass, Assembly& assembly);
 
-/// Impact stage for restitution: velocities at which all rows that collide obey Newton's law u+ = -e u- and no other row approaches;
-/// friction and resistance to rolling act under the impulses of the impact as under any other, and no energy is gained. The rows are
-/// then to be assembled anew. @param iterations  of Gauss-Seidel
-void resolve_impacts(const World& world, int iterations, std::span<const double> inverse_mass, Assembly& assembly,
-                     BallState& state);
+/// Velocities of the balls as the solver knows them.
+void load_velocities(const Balls& balls, std::span<const double> inverse_mass, int threads, Assembly& assembly);
 
-/// Fills the ball part of `velocity` from the state's (already free-falling) velocities.
-void load_velocities(const Balls& balls, std::span<const double> inverse_mass, Assembly& assembly);
+/// Rows of one time step from positions and loaded velocities at its beginning (gaps, normals, impact or not, warm start).
+void make_rows(const World& world, const Balls& balls, std::span<const Pose> poses, int threads, Assembly& assembly);
 
-/// Adds what the solver changed to the state's velocities.
-void store_velocities(const Assembly& assembly, Balls& balls);
+/// Adds what the solver changed to the velocities that were loaded, and moves the balls.
+void store_velocities(const Assembly& assembly, double time_step, int threads, Balls& balls);
 
-/// Keeps the impulses for the next warm start.
-void store_impulses(std::span<const Pose> poses, const Assembly& assembly, BallState& state);
+/// Keeps the walls' impulses for the next time step.
+void keep_wall_impulses(const World& world, std::span<const Pose> poses, int threads, Assembly& assembly);
+
+/// Puts the impulses back into the state, for the next outer step.
+void store_impulses(const Assembly& assembly, BallState& state);
 
 }  // namespace drumsweep

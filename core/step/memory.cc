@@ -12,18 +12,28 @@ std::size_t held(const std::vector<T>&... arrays) {
 
 MemoryUse memory_use(const DrumModel& model, const DrumState& state, const DrumWorkspace& work) {
   const Balls& b = state.balls;
-  const PairSearchScratch& p = work.pair_search;
   const Assembly& a = work.assembly;
+  const PairList& l = a.pairs;
   const Wall& wall = model.world.walls.front();
   const TriangleMesh& m = wall.mesh;
-  return {held(b.position, b.velocity, b.spin, b.radius, b.id, b.exit, state.pairs, state.walls, state.pair_turns,
-               state.wall_turns),
-          held(p.cell_of, p.cell_begin, p.order, p.place_of, p.old_begin, p.old, p.old_turns, p.num_near,
-               work.feed.in_zone, work.candidates.balls, work.candidates.triangles, a.problem.rows, a.overlap,
-               a.impulse, a.velocity, a.pair_of, a.walls, a.contacts, a.problem.rotation, a.turn, a.attracted,
-               a.impact_problem.rows, a.impact_impulse, work.gone, work.inverse_mass, work.smooth.force,
-               work.smooth.torque, work.smooth.overlaps, work.pressed, work.impulse_sum),
-          held(m.vertices, m.triangles, m.border, wall.bounds) + wall.grid.bytes()};
+  MemoryUse use;
+  use.state = held(b.position, b.velocity, b.spin, b.radius, b.id, b.exit, state.pairs, state.walls, state.pair_turns,
+                   state.wall_turns);
+  use.work =
+      held(l.cell_of, l.cell_begin, l.order, l.place_of, l.old_begin, l.old, l.old_turns, l.num_near, l.apart,
+           l.spare.vectors, l.spare.numbers, l.spare.ids, l.spare.bytes, a.velocity, work.feed.in_zone, work.gone,
+           work.inverse_mass, work.smooth.force, work.smooth.torque, work.smooth.overlaps, work.check, work.overlaps);
+  for (const auto& array : l.flight) use.work += held(array);
+  for (const Slab& s : l.slabs) use.work += held(s.near, s.far, s.apart);
+  for (const SlabWalls& w : a.walls)
+    use.work += held(w.candidates.balls, w.candidates.triangles, w.impulse, w.turn, w.old_impulse, w.old_turn, w.place,
+                     w.normal, w.velocity, w.overlap);
+  for (const ContactBlock& block : a.problem.blocks)
+    for (const ContactPacks* packs : {&block.pairs, &block.walls})
+      use.work += held(packs->rows, packs->impulse, packs->wall_velocity, packs->turn, packs->wall_turn, packs->limits,
+                       packs->wall, packs->pull, packs->active);
+  use.wall = held(m.vertices, m.triangles, m.border) + wall.grid.bytes();
+  return use;
 }
 
 }  // namespace drumsweep

@@ -11,8 +11,6 @@
 namespace drumsweep {
 namespace {
 
-constexpr float carried_direction = 0.8f;  // as in assemble.cc
-
 /// Two touching bodies, seen from a; b may be a wall (its terms are then 0).
 struct Touch {
   Eigen::Vector3d normal;  ///< from b to a
@@ -97,8 +95,36 @@ Turn turn_of(const Eigen::Vector3d& v) {
 
 }  // namespace
 
-void apply_smooth_forces(const World& world, std::span<const double> inverse_mass, const WallCandidates& candidates,
-                         std::span<const Pose> poses, BallState& state, SmoothScratch& out) {
+void list_smooth_contacts(const World& world, const Assembly& found, BallState& state, SmoothScratch& out) {
+  const PairList& list = found.pairs;
+  const auto take = [&](const BallPair& pair) {
+    const std::uint32_t old = list.old_place(pair);
+    append(state.pairs, old == PairList::none ? PairImpulse{pair[0], pair[1], {0, 0, 0}, 0} : list.old[old]);
+    if (world.rotation_resisted) append(state.pair_turns, old == PairList::none ? Turn{} : list.old_turns[old]);
+  };
+  for (std::size_t s = 0; s < list.num_slabs; ++s)
+    for (const auto* pairs : {&list.slabs[s].near, &list.slabs[s].far})
+      for (const BallPair& pair : *pairs) take(pair);
+  for (const BallPair& pair : list.apart) take(pair);
+
+  sort_wall_impulses(state.walls, state.wall_turns);
+  out.candidates.balls.clear();
+  out.candidates.triangles.clear();
+  for (std::uint32_t w = 0; w < world.walls.size(); ++w)
+    for (std::size_t s = 0; s < list.num_slabs; ++s) {
+      const WallCandidates& from = found.walls[s].candidates;
+      for (const NearWall& near : from.balls) {
+        if (near.wall != w) continue;
+        const auto begin = static_cast<std::uint32_t>(out.candidates.triangles.size());
+        for (std::uint32_t t = near.begin; t < near.end; ++t) append(out.candidates.triangles, from.triangles[t]);
+        append(out.candidates.balls,
+               {near.ball, w, begin, static_cast<std::uint32_t>(out.candidates.triangles.size())});
+      }
+    }
+}
+
+void apply_smooth_forces(const World& world, std::span<const double> inverse_mass, std::span<const Pose> poses,
+                         BallState& state, SmoothScratch& out) {
   Balls& balls = state.balls;
   const double h = world.time_step, nu = world.physics.material.poisson_ratio;
   const bool turns = world.rotation_resisted;
@@ -155,43 +181,25 @@ void apply_smooth_forces(const World& world, std::span<const double> inverse_mas
 
   out.walls.clear();
   out.wall_turns.clear();
-  std::size_t old = 0;
-  for (const NearWall& near : candidates.balls) {
+  WallMemory memory(state.walls);
+  for (const NearWall& near : out.candidates.balls) {
     const Wall& wall = world.walls[near.wall];
     const Pose& pose = poses[near.wall];
     const Law law{wall.surface, nu, h, turns};
     const Eigen::Vector3d& place = balls.position[near.ball];
     const double radius = balls.radius[near.ball], range = world.cohesive ? wall.surface.cohesion.range : 0;
-    wall_contacts(wall.mesh, {candidates.triangles.data() + near.begin, near.end - near.begin}, pose.to_body(place),
-                  radius + range, wall.one_sided && balls.exit[near.ball] == static_cast<std::uint8_t>(Exit::inside),
-                  out.contacts);
-    const auto is_before = [&](const WallImpulse& w) {
-      return w.wall != near.wall ? w.wall < near.wall : w.ball < near.ball;
-    };
-    while (old < state.walls.size() && is_before(state.walls[old])) ++old;
-    std::uint32_t taken = 0;
+    contacts_of(world, balls, near, out.candidates, pose, radius + range, out.contacts);
+    memory.turn_to(near.wall, near.ball);
     for (const WallContact& contact : out.contacts) {
       const Eigen::Vector3d normal = pose.rotation * contact.normal;
       Eigen::Vector3d total = Eigen::Vector3d::Zero(), moment = total;
       if (contact.distance < radius) {
         const Eigen::Vector3f direction = contact.normal.cast<float>();
-        float best = carried_direction;
-        std::size_t from = state.walls.size();
-        for (std::size_t o = old;
-             o < state.walls.size() && state.walls[o].ball == near.ball && state.walls[o].wall == near.wall; ++o) {
-          const WallImpulse& w = state.walls[o];
-          const float alike =
-              direction[0] * w.direction[0] + direction[1] * w.direction[1] + direction[2] * w.direction[2];
-          if (alike > best && (taken >> (o - old) & 1u) == 0) {
-            best = alike;
-            from = o;
-          }
-        }
         Force force;
-        if (from < state.walls.size()) {
-          taken |= 1u << (from - old);
-          force.tangent = pose.rotation * vector(state.walls[from].tangent);
-          if (turns && from < state.wall_turns.size()) force.turn = vector(state.wall_turns[from]);
+        if (const std::ptrdiff_t from = memory.take(direction); from >= 0) {
+          const auto o = static_cast<std::size_t>(from);
+          force.tangent = pose.rotation * vector(state.walls[o].tangent);
+          if (turns && o < state.wall_turns.size()) force.turn = vector(state.wall_turns[o]);
         }
         const Touch touch{normal,
                           radius - contact.distance,
@@ -223,6 +231,10 @@ void apply_smooth_forces(const World& world, std::span<const double> inverse_mas
     balls.velocity[i] += h * inverse_mass[i] * out.force[i];
     balls.spin[i] += h * inverse_mass[i] * 2.5 / (balls.radius[i] * balls.radius[i]) * out.torque[i];
   }
+}
+
+void move_freely(double h, Balls& balls) {
+  for (std::size_t i = 0; i < balls.size(); ++i) balls.position[i] += h * balls.velocity[i];
 }
 
 }  // namespace drumsweep

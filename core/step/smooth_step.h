@@ -14,14 +14,15 @@
 
 #include "core/contact/wall_contact.h"
 #include "core/state/drum_state.h"
-#include "core/step/world.h"
+#include "core/step/assemble.h"
 
 namespace drumsweep {
 
-struct WallCandidates;
 struct StepReport;
+struct Overlaps;
 
 struct SmoothScratch {
+  WallCandidates candidates;            ///< of all slabs
   std::vector<Eigen::Vector3d> force;   ///< (balls) [N]
   std::vector<Eigen::Vector3d> torque;  ///< (balls) [N m]
   std::vector<WallImpulse> walls;
@@ -30,10 +31,15 @@ struct SmoothScratch {
   std::vector<float> overlaps;  ///< of all pressed contacts [m]
 };
 
-/// Adds the effect of all contact forces in one time step to velocities and spins, and updates the histories.
-void apply_smooth_forces(const World& world, std::span<const double> inverse_mass, const WallCandidates& candidates,
-                         std::span<const Pose> poses, BallState& state, SmoothScratch& scratch);
+/// Takes over what the contact search found: candidate pairs with their forces into the state, triangles near balls.
+void list_smooth_contacts(const World& world, const Assembly& found, BallState& state, SmoothScratch& scratch);
 
-StepReport make_smooth_report(const World& world, const SmoothScratch& scratch, std::vector<float>& pressed);
+/// Adds the effect of all contact forces in one time step to velocities and spins, and updates the histories.
+void apply_smooth_forces(const World& world, std::span<const double> inverse_mass, std::span<const Pose> poses,
+                         BallState& state, SmoothScratch& scratch);
+
+void move_freely(double time_step, Balls& balls);
+
+StepReport make_smooth_report(const World& world, const SmoothScratch& scratch, std::vector<Overlaps>& overlaps);
 
 }  // namespace drumsweep

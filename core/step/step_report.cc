@@ -3,64 +3,82 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/state/arrays.h"
+#include "core/parallel/parallel_for.h"
+#include "core/solver/projected_gauss_seidel.h"
 
 namespace drumsweep {
 
 namespace {
 
-/// Overlaps of the contacts that press, in metres, over the mean diameter. Reorders them.
-void add_overlaps(double diameter, std::vector<float>& pressed, StepReport& report) {
-  if (pressed.empty()) return;
-  double sum = 0;
-  for (const float overlap : pressed) sum += overlap;
-  const auto place = pressed.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(pressed.size() - 1));
-  std::nth_element(pressed.begin(), place, pressed.end());
-  report.overlap_95 = *place / diameter;
-  report.max_overlap = *std::max_element(place, pressed.end()) / diameter;
-  report.mean_overlap = sum / static_cast<double>(pressed.size()) / diameter;
+/// Adds up the blocks, in their order. @return contacts that press
+std::size_t put_overlaps(const std::vector<Overlaps>& blocks, StepReport& report) {
+  std::array<std::uint64_t, Overlaps::num_bins> counts{};
+  double sum = 0, most = 0, num = 0;
+  std::size_t pressed = 0;
+  for (const Overlaps& o : blocks) {
+    for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += o.counts[k];
+    sum += o.sum;
+    most = std::max(most, static_cast<double>(o.max));
+    num += o.num;
+    pressed += o.num_pressed;
+  }
+  if (num == 0) return pressed;
+  report.max_overlap = most;
+  report.mean_overlap = sum / num;
+  double below = 0;
+  std::size_t bin = 0;
+  while (below + static_cast<double>(counts[bin]) < 0.95 * num) below += static_cast<double>(counts[bin++]);
+  const double part = (0.95 * num - below) / static_cast<double>(counts[bin]);
+  report.overlap_95 = std::min(most, (static_cast<double>(bin) + part) / Overlaps::bins_per_diameter);
+  return pressed;
 }
 
 }  // namespace
 
-StepReport make_smooth_report(const World& world, const SmoothScratch& scratch, std::vector<float>& pressed) {
+StepReport make_smooth_report(const World& world, const SmoothScratch& scratch, std::vector<Overlaps>& overlaps) {
   StepReport report;
   report.num_contacts = report.num_rows = scratch.overlaps.size();
-  pressed = scratch.overlaps;
-  add_overlaps(world.physics.material.diameter_m, pressed, report);
+  overlaps.resize(1);
+  overlaps[0].clear(world.physics.material.diameter_m);
+  for (const float overlap : scratch.overlaps) overlaps[0].add(overlap);
+  put_overlaps(overlaps, report);
   return report;
 }
 
-StepReport make_report(const World& world, const BallState& state, Workspace& work, int iterations) {
+StepReport make_report(const World& world, const Balls& balls, Workspace& work, int iterations) {
   const Assembly& a = work.assembly;
   StepReport report;
   report.iterations = iterations;
-  report.num_rows = a.problem.rows.size();
-  report.residual = natural_map_residual(a.problem, a.impulse, a.turn, a.velocity);
+  report.residual = natural_map_residual(a.problem, work.threads, a.velocity);
+  report.num_rows = report.residual.num_rows;
 
-  work.pressed.clear();
-  for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
-    if (a.impulse[i][3] > 0) ++report.num_contacts;
-    if (a.overlap[i] > 0) append(work.pressed, a.overlap[i]);
-  }
-  add_overlaps(world.physics.material.diameter_m, work.pressed, report);
+  // Overlaps, block by block.
+  work.overlaps.resize(a.num_blocks());
+  parallel_for(work.threads, a.num_blocks(), [&](std::size_t s) {
+    Overlaps& overlaps = work.overlaps[s];
+    overlaps.clear(world.physics.material.diameter_m);
+    for (const ContactPacks* packs : {&a.problem.blocks[s].pairs, &a.problem.blocks[s].walls})
+      for (const std::uint32_t p : packs->active)
+        for (std::size_t lane = 0; lane < pack_width; ++lane) {
+          if (packs->rows[p].bias[lane] == no_row) continue;
+          overlaps.num_pressed += packs->impulse[p].normal[lane] > 0 ? 1 : 0;
+          if (packs->rows[p].overlap[lane] > 0) overlaps.add(packs->rows[p].overlap[lane]);
+        }
+  });
+  report.num_contacts = put_overlaps(work.overlaps, report);
 
-  // Momentum: what each ball gained against the sum of its impulses, added up in another way than the solver does.
-  const Balls& balls = state.balls;
-  work.impulse_sum.assign(balls.size(), Eigen::Vector3f::Zero());
-  for (std::size_t i = 0; i < a.problem.rows.size(); ++i) {
-    const ContactRow& row = a.problem.rows[i];
-    const Impulse &p = a.impulse[i], &n = row.normal;
-    const Eigen::Vector3f impulse(p[0] + n[0] * p[3], p[1] + n[1] * p[3], p[2] + n[2] * p[3]);
-    work.impulse_sum[row.a] += impulse;
-    if (row.b < balls.size()) work.impulse_sum[row.b] -= impulse;
-  }
+  // Momentum: velocities from the final impulses applied at once, against those that the solver has changed many times.
+  work.check.swap(work.assembly.velocity);
+  load_velocities(balls, work.inverse_mass, work.threads, work.assembly);
+  apply_impulses(a.problem, work.threads, work.assembly.velocity);
+  work.check.swap(work.assembly.velocity);
+  float most = 0;
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Float4& v = a.velocity[i].linear;
-    const Eigen::Vector3d gained = Eigen::Vector3d(v[0], v[1], v[2]) - balls.velocity[i].cast<float>().cast<double>();
-    report.force_balance =
-        std::max(report.force_balance, (gained - work.inverse_mass[i] * work.impulse_sum[i].cast<double>()).norm());
+    const float(&v)[3] = a.velocity[i].linear, (&c)[3] = work.check[i].linear;
+    most =
+        std::max(most, (v[0] - c[0]) * (v[0] - c[0]) + (v[1] - c[1]) * (v[1] - c[1]) + (v[2] - c[2]) * (v[2] - c[2]));
   }
+  report.force_balance = std::sqrt(static_cast<double>(most));
   return report;
 }
 

@@ -6,7 +6,7 @@
 namespace drumsweep {
 
 /// After the solve and before its result is stored.
-StepReport make_report(const World& world, const BallState& state, Workspace& work, int iterations);
+StepReport make_report(const World& world, const Balls& balls, Workspace& work, int iterations);
 
 /// Averages over outer steps, maxima kept.
 class ReportMean {

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "core/solver/residual.h"
-#include "core/step/assemble.h"
+#include "core/step/impacts.h"
 #include "core/step/smooth_step.h"
 
 namespace drumsweep {
@@ -26,16 +26,36 @@ struct StepReport {
   double force_balance = 0;      ///< largest |m dv - sum of impulses| / m of a ball [m/s]
 };
 
+/// Distribution of the overlaps of contacts that press, over the mean diameter.
+struct Overlaps {
+  static constexpr float bins_per_diameter = 2000;
+  static constexpr std::size_t num_bins = 1000;  ///< the last holds all beyond
+  float per_diameter = 0, max = 0;
+  double sum = 0, num = 0;
+  std::size_t num_pressed = 0;  ///< contacts with an impulse
+  std::array<std::uint32_t, num_bins> counts{};
+
+  void clear(double diameter) { *this = {static_cast<float>(1 / diameter), 0, 0, 0, 0, {}}; }
+  void add(float overlap) {
+    const float part = overlap * per_diameter;
+    sum += static_cast<double>(part);
+    max = part > max ? part : max;
+    num += 1;
+    const float bin = part * bins_per_diameter;
+    ++counts[bin < static_cast<float>(num_bins - 1) ? static_cast<std::size_t>(bin) : num_bins - 1];
+  }
+};
+
 /// Scratch memory, kept from step to step.
 struct Workspace {
-  PairSearchScratch pair_search;
-  WallCandidates candidates;
+  int threads = 1;  ///< results do not depend on it
   Assembly assembly;
+  ImpactScratch impacts;
   SmoothScratch smooth;
-  std::vector<Pose> poses;           ///< (walls)
-  std::vector<double> inverse_mass;  ///< (balls) 0: never moves [1/kg]
-  std::vector<float> pressed;
-  std::vector<Eigen::Vector3f> impulse_sum;
+  std::vector<Pose> poses;                                               ///< (walls)
+  std::vector<double> inverse_mass;                                      ///< (balls) 0: never moves [1/kg]
+  std::vector<Overlaps> overlaps;                                        ///< (blocks)
+  std::vector<BodyVelocity> check;                                       ///< (bodies)
   std::array<double, static_cast<std::size_t>(Phase::count)> phase_s{};  ///< seconds spent, summed over steps
 };
 

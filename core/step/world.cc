@@ -44,20 +44,9 @@ Wall& World::add_wall(TriangleMesh mesh, double resolution, const Motion& motion
 }
 
 Wall& World::add_wall(TriangleMesh mesh, double resolution, const Motion& motion, const Surface& surface) {
-  WallGrid grid(mesh, std::max(2 * resolution, physics.material.diameter_m),
+  WallGrid grid(mesh, std::max(4 * resolution, physics.material.diameter_m),
                 largest_radius + margin() + collision_change * typical_speed_ * physics.solver.outer_step_s);
-  Wall& wall = walls.emplace_back(Wall{std::move(mesh), std::move(grid), {}, motion, surface});
-  wall.bounds.reserve(wall.mesh.triangles.size());
-  for (const auto& t : wall.mesh.triangles) {
-    const Eigen::Vector3d &a = wall.mesh.vertices[static_cast<std::size_t>(t[0])],
-                          &b = wall.mesh.vertices[static_cast<std::size_t>(t[1])],
-                          &e = wall.mesh.vertices[static_cast<std::size_t>(t[2])];
-    const Eigen::Vector3d centre = (a.cwiseMin(b).cwiseMin(e) + a.cwiseMax(b).cwiseMax(e)) / 2;
-    const double radius =
-        std::sqrt(std::max({(a - centre).squaredNorm(), (b - centre).squaredNorm(), (e - centre).squaredNorm()}));
-    wall.bounds.emplace_back(static_cast<float>(centre[0]), static_cast<float>(centre[1]),
-                             static_cast<float>(centre[2]), static_cast<float>(radius * 1.001 + 1e-6));
-  }
+  Wall& wall = walls.emplace_back(Wall{std::move(mesh), std::move(grid), motion, surface});
   update_search();
   return wall;
 }
@@ -81,7 +70,8 @@ void World::update_search() {
   }
   time_step = physics.solver.outer_step_s / static_cast<double>(sub_steps);
 
-  search.extra_speed = collision_change * typical_speed_;
+  // Within one time step nothing collides that does not as it flies.
+  search.extra_speed = sub_steps > 1 ? collision_change * typical_speed_ : 0;
   search.horizon = physics.solver.outer_step_s;
   search.margin = margin();
   if (cohesive) search.margin = std::max(search.margin, physics.effects.cohesion_range_m);

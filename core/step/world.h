@@ -46,7 +46,6 @@ struct Motion {
 struct Wall {
   TriangleMesh mesh;
   WallGrid grid;
-  std::vector<Eigen::Vector4f> bounds;  ///< sphere around each triangle: centre and radius, body frame [m]
   Motion motion;
   Surface surface;
   bool one_sided = true;  ///< balls whose exit is Exit::inside are kept in front of it

@@ -29,7 +29,7 @@ RotatingDrumScene alizadeh(bool full) {
   scene.mesh_resolution_m = 0.0015;
   scene.texture = {60000, 0.001, 0.002, 0.001, 0.0015, "sigma"};
   scene.settle_turns = full ? 0.5 : 0.25;
-  scene.record_turns = full ? 1.0 : 0.15;
+  scene.record_turns = full ? 1.0 : 0.3;
   return scene;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/contact/contact_law.h"
 #include "core/solver/projected_gauss_seidel.h"
+#include "support/packed_problem.h"
 
 namespace drumsweep {
 
@@ -20,7 +21,7 @@ struct PlaneWorld {
   Eigen::Vector3d gravity{0, 0, -9.81};
   int iterations = 5;
   PlaneBall ball;
-  Impulse impulse{};
+  ImpulsePack impulse{};
 
   void step(double h) {
     const double gap = ball.position[2] - radius;
@@ -28,24 +29,23 @@ struct PlaneWorld {
     const NormalRow row = normal_row(law, -gap, ball.velocity[2], h);
     ball.velocity += h * gravity;
     if (touching) {
-      const double w = 1 / mass;
-      ContactProblem problem;
-      problem.rows.push_back({Float4{0, 0, 1, static_cast<float>(row.bias)}, static_cast<float>(row.regularization),
-                              static_cast<float>(1 / (w + row.regularization)), static_cast<float>(1 / (3.5 * w)),
-                              static_cast<float>(friction), 0, 1, 1.0f, 0});
+      ContactProblem problem =
+          one_by_one({{0, -1, {0, 0, 1}, {0, 0, 0}, row.bias, row.regularization, friction}}, 1, false);
+      impulse_of(problem, 0) = impulse;
       const auto f = [](double x) { return static_cast<float>(x); };
       const Eigen::Vector3d s = ball.spin * radius;
-      std::vector<BodyVelocity> v{{Float4{f(ball.velocity[0]), f(ball.velocity[1]), f(ball.velocity[2]), f(w)},
-                                   Float4{f(s[0]), f(s[1]), f(s[2]), 0}},
-                                  {Float4{}, Float4{}}};
-      std::vector<Impulse> p{impulse};
-      apply_impulses(problem, p, {}, v);
-      solve(problem, iterations, p, {}, v);
-      impulse = p[0];
+      std::vector<BodyVelocity> v{{{f(ball.velocity[0]), f(ball.velocity[1]), f(ball.velocity[2])},
+                                   f(1 / mass),
+                                   {f(s[0]), f(s[1]), f(s[2])},
+                                   f(radius)},
+                                  {{0, 0, 0}, 0, {0, 0, 0}, 1}};
+      apply_impulses(problem, 1, v);
+      solve(problem, iterations, 1, v);
+      impulse = impulse_of(problem, 0);
       ball.velocity = {v[0].linear[0], v[0].linear[1], v[0].linear[2]};
       ball.spin = Eigen::Vector3d(v[0].surface[0], v[0].surface[1], v[0].surface[2]) / radius;
     } else {
-      impulse = Impulse{};
+      impulse = ImpulsePack{};
     }
     ball.position += h * ball.velocity;
   }

@@ -25,7 +25,11 @@ TEST(Feed, places_balls_without_overlap_at_the_given_rate) {
   for (std::size_t i = 0; i < b.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT((b.position[i] - b.position[j]).norm(), b.radius[i] + b.radius[j]);
     const Eigen::Vector3d p = pose.to_body(b.position[i]);
-    wall_contacts(model.mesh(), model.world.walls.front().grid.near(p), p, 2 * b.radius[i], true, contacts);
+    std::vector<std::int32_t> near;
+    model.world.walls.front().grid.near(p.cast<float>(), p.cast<float>(), [&](const WallGrid::Triangles& t) {
+      near.assign(t.index.begin(), t.index.end());
+    });
+    wall_contacts(model.mesh(), near, p, 2 * b.radius[i], true, contacts);
     for (const WallContact& c : contacts) EXPECT_GT(c.distance, b.radius[i]);
   }
 }
