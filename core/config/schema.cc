@@ -92,7 +92,7 @@ std::vector<Field> fields(Study& s) {
 
   FieldTable drum{list, "drum.", Scope::warm_state};
   drum.number("diameter_m", s.drum.diameter_m, 0.02, 20, "inner diameter");
-  drum.number("length_m", s.drum.length_m, 0.02, 100, "from the closed upper end to the outlet");
+  drum.number("length_m", s.drum.length_m, 0.02, 1000, "from the closed upper end to the outlet");
   drum.number("inclination_deg", s.drum.inclination_deg, 0, 45, "of the axis, downhill towards the outlet");
   drum.number("angular_velocity_rad_s", s.drum.angular_velocity_rad_s, 0.01, 50, "of drum and outlet");
   drum.number("mesh_resolution_m", s.drum.mesh_resolution_m, 0.001, 1, "edge length of the wall's triangles");

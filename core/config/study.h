@@ -104,9 +104,9 @@ struct StepConfig {
 };
 
 struct SolverConfig {
-  double outer_step_s = 0.004;         ///< contact search and feed once per outer step
-  std::int64_t sub_steps = 2;          ///< gaps and normals refreshed, solved and advanced this often per outer step
-  std::int64_t iterations = 5;         ///< projected Gauss-Seidel passes per sub-step; 0 = "auto"
+  double outer_step_s = 0.008;         ///< contact search and feed once per outer step
+  std::int64_t sub_steps = 4;          ///< gaps and normals refreshed, solved and advanced this often per outer step
+  std::int64_t iterations = 10;        ///< projected Gauss-Seidel passes per sub-step; 0 = "auto"
   double residual_target_m_s = 0.001;  ///< iterations = "auto" goes on to this mean residual ...
   std::int64_t max_iterations = 2000;  ///< ... or to this many passes
   double residual_limit_m_s = 0.02;    ///< a design whose mean residual is above it is untrusted

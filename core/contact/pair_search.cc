@@ -403,7 +403,7 @@ void sort_impulses(const PairSearch& search, BallState& state, PairList& list) {
 void list_flights(const PairSearch& search, const Cells& cells, int threads, const Balls& balls, PairList& list) {
   const std::size_t num = balls.size();
   for (std::vector<float>& array : list.flight)
-    if (array.size() < num + pack_width) array.resize(num + num / 8 + pack_width);
+    if (array.size() < num + pack_width) array.resize(num + num / 16 + pack_width);
   const Eigen::Vector3d low = list.low = Eigen::Vector3d(static_cast<double>(cells.low[0]) * search.cell_size,
                                                          static_cast<double>(cells.low[1]) * search.cell_size,
                                                          static_cast<double>(cells.low[2]) * search.cell_size);

@@ -79,6 +79,9 @@ struct ContactBlock {
 struct ContactProblem {
   std::vector<ContactBlock> blocks;                ///< memory of more than there are may be kept
   std::vector<std::vector<std::uint32_t>> phases;  ///< blocks that share no ball, phase after phase
+  std::size_t num_slabs =
+      0;  ///< where the first blocks are slabs in a row, each with contacts to itself and the next: how many; the
+          ///< even ones are then the first phase, the odd ones the second, and one block follows as the third
   bool rotation_resisted = false;
 };
 

@@ -6,10 +6,16 @@
 
 namespace drumsweep {
 
+/// Room for `num` entries, with an eighth to spare where it has to grow.
+template <class T>
+void make_room(std::vector<T>& array, std::size_t num) {
+  if (array.capacity() < num) array.reserve(num + num / 8 + 4);
+}
+
 /// push_back() that grows by an eighth instead of doubling: these arrays are most of a run's memory.
 template <class T>
 void append(std::vector<T>& array, T value) {
-  if (array.size() == array.capacity()) array.reserve(array.size() + array.size() / 8 + 64);
+  if (array.size() == array.capacity()) array.reserve(array.size() + array.size() / 8 + 16);
   array.push_back(std::move(value));
 }
 

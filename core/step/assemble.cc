@@ -32,17 +32,21 @@ std::size_t add_packs(const World& world, const Surface& surface, std::uint32_t 
   std::fill(std::begin(idle.arm), std::end(idle.arm), 1.0f);
   std::fill(std::begin(idle.bias), std::end(idle.bias), no_row);
   const std::size_t first = packs.rows.size();
-  packs.rows.resize(first + num, idle);
-  packs.impulse.resize(first + num);
+  const auto extend = [&](auto& array, const auto& value) {
+    make_room(array, first + num);
+    array.resize(first + num, value);
+  };
+  extend(packs.rows, idle);
+  extend(packs.impulse, ImpulsePack{});
   if (wall != nullptr) {
-    packs.wall.resize(first + num, *wall);
-    packs.wall_velocity.resize(first + num);
+    extend(packs.wall, *wall);
+    extend(packs.wall_velocity, Pack3{});
   }
-  if (world.cohesive) packs.pull.resize(first + num);
+  if (world.cohesive) extend(packs.pull, Pack1{});
   if (world.rotation_resisted) {
-    packs.turn.resize(first + num);
-    packs.limits.resize(first + num, {static_cast<float>(surface.rolling), static_cast<float>(surface.twisting)});
-    if (wall != nullptr) packs.wall_turn.resize(first + num);
+    extend(packs.turn, Pack3{});
+    extend(packs.limits, RotationLimits{static_cast<float>(surface.rolling), static_cast<float>(surface.twisting)});
+    if (wall != nullptr) extend(packs.wall_turn, Pack3{});
   }
   return first;
 }
@@ -200,6 +204,7 @@ void find_contacts(const World& world, std::span<const Pose> poses, int threads,
   if (a.problem.blocks.size() < num_blocks) a.problem.blocks.resize(num_blocks);
   a.packers.resize(static_cast<std::size_t>(std::max(1, threads)));
   a.problem.rotation_resisted = world.rotation_resisted;
+  a.problem.num_slabs = num_slabs;
   a.impacts.assign(num_blocks, 0);
   a.problem.phases.resize(3);
   for (auto& phase : a.problem.phases) phase.clear();
@@ -241,6 +246,7 @@ void find_contacts(const World& world, std::span<const Pose> poses, int threads,
 
 void load_velocities(const Balls& balls, std::span<const double> inverse_mass, int threads, Assembly& a) {
   const std::size_t num = balls.size();
+  make_room(a.velocity, num + a.num_blocks());
   a.velocity.resize(num + a.num_blocks());
   for (std::size_t i = num; i < a.velocity.size(); ++i) a.velocity[i] = {{0, 0, 0}, 0, {0, 0, 0}, 1};
   parallel_ranges(threads, num, chunk, [&](std::size_t begin, std::size_t end) {

@@ -150,7 +150,7 @@ void find_wall_candidates(const World& world, const Balls& balls, const PairList
         wall.grid.near(from.min(to_place) - turned, from.max(to_place) + turned,
                        [&](const WallGrid::Triangles& list_of_cell) {
                          const std::size_t most = list_of_cell.index.size();
-                         if (out.triangles.size() < num + most) out.triangles.resize(num + most + num / 4);
+                         if (out.triangles.size() < num + most) out.triangles.resize(num + most + num / 8);
                          num += near_triangles(list_of_cell.index.data(), list_of_cell.spheres, most, from.data(),
                                                way.data(), reach, out.triangles.data() + num);
                          ++lists;

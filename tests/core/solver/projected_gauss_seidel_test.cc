@@ -146,6 +146,47 @@ TEST(ProjectedGaussSeidel, starting_from_the_solution_changes_nothing) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(warm[i].linear[k], cold[i].linear[k], 1e-5);
 }
 
+TEST(ProjectedGaussSeidel, visits_slabs_in_a_wave_with_the_bits_of_the_phases) {
+  // A row of balls pressed together, three to a slab, in more slabs than are kept in the cache.
+  constexpr std::uint32_t slabs = 130, num = 3 * slabs;
+  const auto problem = [&](bool as_slabs) {
+    std::vector<PlainContact> contacts;
+    for (std::uint32_t i = 0; i + 1 < num; ++i)
+      contacts.push_back({i + 1, static_cast<int>(i), {0.1, 1, 0}, {0, 0, 0}, i % 5 == 0 ? 0.02 : 0.0, 10, 0.5});
+    const ContactProblem single = one_by_one(contacts, num, false);
+    ContactProblem out;
+    out.blocks.resize(slabs + 1);
+    out.phases.resize(3);
+    for (std::uint32_t i = 0; i + 1 < num; ++i) {
+      ContactPacks& packs = out.blocks[i / 3].pairs;
+      packs.active.push_back(static_cast<std::uint32_t>(packs.rows.size()));
+      packs.rows.push_back(single.blocks[i].pairs.rows[0]);
+      packs.impulse.emplace_back();
+    }
+    for (std::uint32_t s = 0; s < slabs; ++s) out.phases[s % 2].push_back(s);
+    out.phases[2].push_back(slabs);
+    out.num_slabs = as_slabs ? slabs : 0;
+    return out;
+  };
+  const auto solved = [&](bool as_slabs, int threads) {
+    std::vector<BodyVelocity> v(num + 1, {{0, 0, 0}, 760, {0, 0, 0}, 0.005f});
+    for (std::uint32_t i = 0; i < num; ++i) v[i].linear[1] = i % 2 == 0 ? 0.3f : -0.4f;
+    v[num].inverse_mass = 0;
+    ContactProblem p = problem(as_slabs);
+    solve(p, 7, threads, v);
+    return v;
+  };
+  const std::vector<BodyVelocity> phases = solved(false, 1);
+  for (const int threads : {1, 3}) {
+    const std::vector<BodyVelocity> wave = solved(true, threads);
+    for (std::uint32_t i = 0; i < num; ++i)
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(wave[i].linear[k], phases[i].linear[k]) << i;
+        EXPECT_EQ(wave[i].surface[k], phases[i].surface[k]) << i;
+      }
+  }
+}
+
 TEST(Residual, sees_a_velocity_that_no_longer_fits) {
   Case c = heap(2);
   solve(c.problem, 5000, 1, c.velocity);
