@@ -143,7 +143,7 @@ void find_wall_candidates(const World& world, const Balls& balls, const PairList
         const Eigen::Array3f from(flight.place[0][lane], flight.place[1][lane], flight.place[2][lane]),
             way(flight.way[0][lane], flight.way[1][lane], flight.way[2][lane]), to_place = from + way;
         // What rebounds may go anywhere as far as it is fast.
-        const float turned = world.restitutive ? way.matrix().norm() : 0;
+        const float turned = world.search.rebounds ? way.matrix().norm() : 0;
         const float reach = static_cast<float>(balls.radius[i] + beyond) + turned;
         const std::size_t begin = num;
         int lists = 0;

@@ -57,7 +57,6 @@ void World::update_search() {
   };
   rotation_resisted = any([](const Surface& s) { return s.rolling > 0 || s.twisting > 0; });
   cohesive = any([](const Surface& s) { return s.cohesion.force > 0; });
-  restitutive = any([](const Surface& s) { return s.restitution > 0; });
 
   sub_steps = physics.solver.sub_steps;
   if (physics.step.method == "smooth") {
@@ -77,7 +76,8 @@ void World::update_search() {
   if (cohesive) search.margin = std::max(search.margin, physics.effects.cohesion_range_m);
   search.cell_size = 2 * largest_radius + search.margin + 0.8 * typical_speed_ * search.horizon;
   search.turns = rotation_resisted;
-  search.rebounds = restitutive;
+  // The smooth step lets every contact spring back within the outer step.
+  search.rebounds = physics.step.method == "smooth" || any([](const Surface& s) { return s.restitution > 0; });
 }
 
 double World::margin() const {

@@ -65,7 +65,6 @@ struct World {
   double mean_mass = 0;            ///< of a ball [kg]
   bool rotation_resisted = false;  ///< rolling or twisting resistance somewhere
   bool cohesive = false;
-  bool restitutive = false;
 
   /// @param typical_speed  of balls relative to each other and to walls, for the reach of the contact search: a matter of
   ///   speed alone as long as it is about right [m/s]

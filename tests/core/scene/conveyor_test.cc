@@ -57,7 +57,7 @@ TEST(ConveyorScene, landings_are_where_a_ball_that_falls_freely_touches_the_belt
   ASSERT_EQ(static_cast<std::int64_t>(landings.size()), r.num_balls);
   // The first ball is released when its mass has come, and falls 0.05 m from 0.5 m/s.
   const double mass = 2500 * 5.235988e-7, fall = (std::sqrt(0.25 + 2 * 9.81 * 0.05) - 0.5) / 9.81;
-  EXPECT_NEAR(landings.front().time, mass / 0.5 + fall, 0.005);
+  EXPECT_NEAR(landings.front().time, mass / 0.5 + fall, file.physics.solver.outer_step_s);
   for (const Landing& l : landings) {
     EXPECT_LE(std::abs(l.x), 0.05);
     EXPECT_GE(l.y, 0.005);

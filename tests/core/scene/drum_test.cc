@@ -70,7 +70,7 @@ TEST(Restart, an_interrupted_warm_up_ends_in_the_same_state) {
   int steps = 0;
   const auto save = [&](const WarmState& w) { kept = unpack_warm_state(pack_warm_state(study, w), study, "memory"); };
   EXPECT_FALSE(warm_up(
-      study, kept, [&](const Progress&) { return ++steps < 900; }, save));
+      study, kept, [&](const Progress&) { return ++steps < 450; }, save));
   EXPECT_FALSE(kept.finished);
   WarmState again = kept;
   EXPECT_TRUE(warm_up(study, again, {}, {}));
@@ -121,7 +121,7 @@ TEST(DesignRun, swapping_the_outlet_gives_no_burst_of_kinetic_energy) {
     DrumWorkspace a, b;
     // A burst shows within a few steps; after some 50 ms more (or fewer) balls fall through the new slots, as they
     // should.
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 6; ++i) {
       advance(model, undisturbed, a);
       advance(swapped_model, swapped, b);
       EXPECT_LE(kinetic_energy(swapped_model, swapped), 1.05 * kinetic_energy(model, undisturbed)) << "step " << i;
