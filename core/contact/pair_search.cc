@@ -49,7 +49,8 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
   const FloatV zero = hn::Zero(d);
   const Vector3V from{hn::Set(d, f.x[i]), hn::Set(d, f.y[i]), hn::Set(d, f.z[i])};
   const Vector3V way{hn::Set(d, f.way_x[i]), hn::Set(d, f.way_y[i]), hn::Set(d, f.way_z[i])};
-  const FloatV near_reach = hn::Set(d, f.reach[i] + f.near_gap), more = hn::Set(d, f.far_gap - f.near_gap);
+  const FloatV near_reach = hn::Set(d, f.radius[i] + f.near_gap), more = hn::Set(d, f.far_gap - f.near_gap),
+               turn = hn::Set(d, f.turn[i]);
   std::size_t num = 0;
   for (int r = 0; r < runs.num; ++r)
     for (std::uint32_t j = runs.begin[r]; j < runs.end[r]; j += static_cast<std::uint32_t>(simd_lanes)) {
@@ -64,7 +65,7 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
       a.end = hn::Add(hn::Add(a.begin, a.product), hn::Add(a.product, a.closing));
       a.between = hn::And(hn::Lt(a.product, zero), hn::Lt(hn::Neg(a.product), a.closing));
 
-      const FloatV near = hn::Add(hn::LoadU(d, f.reach + j), near_reach);
+      const FloatV near = hn::Add(hn::LoadU(d, f.radius + j), near_reach);
       const MaskV in_run = hn::FirstN(d, HWY_MIN(simd_lanes, runs.end[r] - j)),
                   is_near = hn::And(in_run, a.Within(near));
       std::uint8_t bytes[8] = {0}, near_bytes[8] = {0};
@@ -72,7 +73,13 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
       const std::uint32_t near_bits = near_bytes[0] | static_cast<std::uint32_t>(near_bytes[1]) << 8;
       std::uint32_t bits = near_bits;
       if constexpr (with_far) {
-        hn::StoreMaskBits(d, hn::And(in_run, a.Within(hn::Add(near, more))), bytes);
+        const FloatV far = hn::Add(near, more);
+        MaskV listed = a.Within(far);
+        if (f.rebounds) {
+          const FloatV reach = hn::Add(far, hn::Add(turn, hn::LoadU(d, f.turn + j)));
+          listed = hn::Or(listed, hn::Le(a.begin, hn::Mul(reach, reach)));
+        }
+        hn::StoreMaskBits(d, hn::And(in_run, listed), bytes);
         bits |= bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
       }
       while (bits != 0) {
@@ -88,7 +95,7 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
 /// @param hits  room for all places of the runs
 /// @return number of hits
 std::size_t FindNear(const Flights& f, std::uint32_t i, const Runs& runs, std::uint32_t* hits) {
-  return f.far_gap > f.near_gap ? FindIn<true>(f, i, runs, hits) : FindIn<false>(f, i, runs, hits);
+  return f.far_gap > f.near_gap || f.rebounds ? FindIn<true>(f, i, runs, hits) : FindIn<false>(f, i, runs, hits);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -138,10 +145,12 @@ int listed(const PairSearch& search, const Balls& balls, std::size_t i, std::siz
   const Eigen::Vector3d closing = (balls.velocity[j] - balls.velocity[i]) * search.horizon;
   const double when = std::clamp(-apart.dot(closing) / std::max(closing.squaredNorm(), 1e-20), 0.0, 1.0);
   const double distance = (apart + closing * when).norm();
-  double reach = balls.radius[i] + balls.radius[j] + search.margin;
-  if (search.rebounds) reach += (balls.velocity[i].norm() + balls.velocity[j].norm()) * search.horizon;
+  const double reach = balls.radius[i] + balls.radius[j] + search.margin, more = search.extra_speed * search.horizon;
   if (distance <= reach) return 2;
-  return distance <= reach + search.extra_speed * search.horizon ? 1 : 0;
+  if (distance <= reach + more) return 1;
+  if (!search.rebounds) return 0;
+  const double turns = (balls.velocity[i].norm() + balls.velocity[j].norm()) * search.horizon;
+  return apart.norm() <= reach + more + turns ? 1 : 0;
 }
 
 void count_near(PairList& list, std::uint32_t a, std::uint32_t b) {
@@ -414,14 +423,18 @@ void list_flights(const PairSearch& search, const Cells& cells, int threads, con
         list.flight[k][i] = static_cast<float>(place[static_cast<int>(k)]);
         list.flight[3 + k][i] = static_cast<float>(way[static_cast<int>(k)]);
       }
-      list.flight[6][i] = static_cast<float>(balls.radius[i] + (search.rebounds ? way.norm() : 0));
+      list.flight[6][i] = static_cast<float>(balls.radius[i]);
+      list.flight[7][i] = search.rebounds ? static_cast<float>(way.norm()) : 0;
     }
   });
   const auto& f = list.flight;
   const auto near_gap = static_cast<float>(search.margin);
-  list.flights = {f[0].data(), f[1].data(), f[2].data(),
-                  f[3].data(), f[4].data(), f[5].data(),
-                  f[6].data(), near_gap,    near_gap + static_cast<float>(search.extra_speed * search.horizon)};
+  list.flights = {f[0].data(),    f[1].data(),
+                  f[2].data(),    f[3].data(),
+                  f[4].data(),    f[5].data(),
+                  f[6].data(),    f[7].data(),
+                  near_gap,       near_gap + static_cast<float>(search.extra_speed * search.horizon),
+                  search.rebounds};
 }
 
 }  // namespace

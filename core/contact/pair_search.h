@@ -29,8 +29,10 @@ using BallPair = std::array<std::uint32_t, 2>;
 /// Balls as they fly within the horizon, one array each [m]; readable up to sixteen past the last.
 struct Flights {
   const float *x = nullptr, *y = nullptr, *z = nullptr, *way_x = nullptr, *way_y = nullptr, *way_z = nullptr,
-              *reach = nullptr;
+              *radius = nullptr,
+              *turn = nullptr;      ///< turn: how far it may go another way
   float near_gap = 0, far_gap = 0;  ///< pairs are listed when they come nearer than this
+  bool rebounds = false;            ///< ... or may by their turns
 };
 
 /// A run of balls between two planes across the axis, and the pairs whose lower ball is in it.
@@ -67,7 +69,7 @@ struct PairList {
 
   std::vector<std::uint32_t> cell_of, cell_begin, order, place_of;
   std::vector<std::uint8_t> num_near;            ///< (balls) pairs of each in the near search, at most 255
-  std::array<std::vector<float>, 7> flight;      ///< (balls) place, way within the horizon, reach [m]
+  std::array<std::vector<float>, 8> flight;      ///< (balls) place, way within the horizon, radius, turn [m]
   std::vector<std::vector<std::uint32_t>> hits;  ///< (threads)
   BallScratch spare;
 };
