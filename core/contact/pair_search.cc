@@ -122,6 +122,14 @@ constexpr std::size_t chunk = 4096;
 
 struct Cells {
   std::array<std::int64_t, 3> low, size;  ///< in the order x, y, z
+  std::array<double, 3> edge;             ///< of a cell; z is counted from the slope [m]
+  double slope;
+
+  /// Coordinate along axis k, in cells from the corner of the room.
+  std::int64_t coordinate(const Eigen::Vector3d& p, int k) const {
+    const double x = k == 2 ? p[2] - slope * p[1] : p[k];
+    return static_cast<std::int64_t>(std::floor(x / edge[static_cast<std::size_t>(k)]));
+  }
   std::int64_t row() const { return size[0]; }
   std::int64_t slab() const { return size[0] * size[2]; }
 };
@@ -223,14 +231,16 @@ void list_far_pairs(const PairSearch& search, const Flights& flights, const Cell
         balls.radius[i] + most.radius + listed_gap(search, most.speed) + (search.rebounds ? way.norm() : 0);
     const std::int64_t c = list.cell_of[list.order[i]], at[3] = {c % row, c / slab, c % slab / row};
     std::int64_t from[3], to[3];
+    const Eigen::Vector3d low = balls.position[i].array() + way.array().min(0.0) - around,
+                          high = balls.position[i].array() + way.array().max(0.0) + around;
     for (int k = 0; k < 3; ++k) {
-      const auto cell = [&](double x) {
-        return static_cast<std::int64_t>(std::floor(x / search.cell_size)) - cells.low[static_cast<std::size_t>(k)];
-      };
-      const double x = balls.position[i][k];
-      from[k] = std::max({std::int64_t{0}, at[k] - most_layers, cell(x + std::min(0.0, way[k]) - around)});
-      to[k] = std::min(
-          {cells.size[static_cast<std::size_t>(k)] - 1, at[k] + most_layers, cell(x + std::max(0.0, way[k]) + around)});
+      const auto axis = static_cast<std::size_t>(k);
+      // Along z the slope adds what it climbs across the box.
+      const Eigen::Vector3d other_end(0, k == 2 ? high[1] - low[1] : 0, 0);
+      const std::int64_t first = std::min(cells.coordinate(low, k), cells.coordinate(low + other_end, k)),
+                         last = std::max(cells.coordinate(high, k), cells.coordinate(high - other_end, k));
+      from[k] = std::max({std::int64_t{0}, at[k] - most_layers, first - cells.low[axis]});
+      to[k] = std::min({cells.size[axis] - 1, at[k] + most_layers, last - cells.low[axis]});
     }
 
     Runs runs;
@@ -290,7 +300,7 @@ void list_pairs_across(const PairSearch& search, const Cells& cells, const Extre
     image[1] -= search.period;
     std::array<std::int64_t, 3> at{}, from{}, to{};
     for (std::size_t k = 0; k < 3; ++k) {
-      at[k] = static_cast<std::int64_t>(std::floor(image[static_cast<int>(k)] / search.cell_size)) - cells.low[k];
+      at[k] = cells.coordinate(image, static_cast<int>(k)) - cells.low[k];
       from[k] = std::max<std::int64_t>(0, at[k] - layers);
       to[k] = std::min(cells.size[k] - 1, at[k] + layers);
     }
@@ -313,26 +323,28 @@ void list_pairs_across(const PairSearch& search, const Cells& cells, const Extre
 
 /// Bounding box in cells, one empty layer around it so that neighbours need no test.
 Cells bounding_cells(const PairSearch& search, const std::vector<Eigen::Vector3d>& positions) {
-  Eigen::Array3d low = Eigen::Array3d::Constant(1e300), high = -low;
-  for (const Eigen::Vector3d& p : positions) {
-    low = low.min(p.array());
-    high = high.max(p.array());
-  }
   Cells cells{};
+  cells.slope = search.slope;
+  // Two balls this far apart along y are more than that apart in z over the slope.
+  cells.edge = {search.cell_size, search.cell_size, search.cell_size * (1 + std::abs(search.slope))};
+  std::array<std::int64_t, 3> high{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto i = static_cast<int>(k);
-    const auto cell = [&](double x) {
-      return positions.empty() ? 0 : static_cast<std::int64_t>(std::floor(x / search.cell_size));
-    };
-    cells.low[k] = cell(low[i]) - 1;
-    cells.size[k] = cell(high[i]) - cells.low[k] + 2;
+    const auto axis = static_cast<int>(k);
+    cells.low[k] = high[k] = positions.empty() ? 0 : cells.coordinate(positions[0], axis);
+    for (const Eigen::Vector3d& p : positions) {
+      const std::int64_t c = cells.coordinate(p, axis);
+      cells.low[k] = std::min(cells.low[k], c);
+      high[k] = std::max(high[k], c);
+    }
+    cells.low[k] -= 1;
+    cells.size[k] = high[k] - cells.low[k] + 2;
   }
   return cells;
 }
 
 /// Counting sort by cell; stable, so the order is a function of positions and of the order before. x runs fastest, y (along the
 /// axis) slowest.
-void sort_by_cell(const PairSearch& search, const Cells& cells, int threads, Balls& balls, PairList& list) {
+void sort_by_cell(const Cells& cells, int threads, Balls& balls, PairList& list) {
   const std::size_t num = balls.size();
   const auto num_cells = static_cast<std::size_t>(cells.slab() * cells.size[1]);
   list.cell_of.resize(num);
@@ -340,8 +352,7 @@ void sort_by_cell(const PairSearch& search, const Cells& cells, int threads, Bal
   parallel_ranges(threads, num, chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto cell = [&](int k) {
-        return static_cast<std::int64_t>(std::floor(balls.position[i][k] / search.cell_size)) -
-               cells.low[static_cast<std::size_t>(k)];
+        return cells.coordinate(balls.position[i], k) - cells.low[static_cast<std::size_t>(k)];
       };
       list.cell_of[i] = static_cast<std::uint32_t>(cell(1) * cells.slab() + cell(2) * cells.row() + cell(0));
     }
@@ -409,13 +420,11 @@ void sort_impulses(const PairSearch& search, BallState& state, PairList& list) {
 }
 
 /// Arrays for the near search, with room behind them for a vector's reach.
-void list_flights(const PairSearch& search, const Cells& cells, int threads, const Balls& balls, PairList& list) {
+void list_flights(const PairSearch& search, int threads, const Balls& balls, PairList& list) {
   const std::size_t num = balls.size();
   for (std::vector<float>& array : list.flight)
     if (array.size() < num + pack_width) array.resize(num + num / 16 + pack_width);
-  const Eigen::Vector3d low = list.low = Eigen::Vector3d(static_cast<double>(cells.low[0]) * search.cell_size,
-                                                         static_cast<double>(cells.low[1]) * search.cell_size,
-                                                         static_cast<double>(cells.low[2]) * search.cell_size);
+  const Eigen::Vector3d low = list.low = num > 0 ? balls.position[0] : Eigen::Vector3d::Zero();
   parallel_ranges(threads, num, chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3d place = balls.position[i] - low, way = balls.velocity[i] * search.horizon;
@@ -454,12 +463,12 @@ void sort_and_find_pairs(const PairSearch& search, int threads, BallState& state
   if (cells.slab() * cells.size[1] >= 0xFFFFFFFF)
     throw std::runtime_error("the drum is too large for its balls: more than 4 billion cells of the contact search");
 
-  sort_by_cell(search, cells, threads, balls, list);
+  sort_by_cell(cells, threads, balls, list);
   sort_impulses(search, state, list);
   cut_slabs(cells, list);
 
   // Neighbours in space. A ball counts its pairs in its own slab and the one before, so every other slab goes at a time.
-  list_flights(search, cells, threads, balls, list);
+  list_flights(search, threads, balls, list);
   const Flights& flights = list.flights;
   list.apart.clear();
   list.num_near.assign(balls.size(), 0);

@@ -19,6 +19,7 @@ struct PairSearch {
   double horizon = 0;      ///< ... within this time as they fly ... [s]
   double extra_speed = 0;  ///< ... or when they approach by this speed more, for what collisions change [m/s]
   bool rebounds = false;   ///< velocities may turn within that time: any direction of the relative velocity counts
+  double slope = 0;        ///< dz/dy of the axis along which the balls lie: the grid follows it, so that it stays small
   double period = 0;       ///< along y; 0: not periodic [m]
   bool turns = false;      ///< keep the turns of the pairs too
 };

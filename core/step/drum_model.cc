@@ -14,6 +14,8 @@ DrumModel::DrumModel(const Study& s, const OutletConfig& outlet)
   tilt.col(2) = Eigen::Vector3d(0, c, -i);
   belt_height = -(outlet.length_m * i + 0.5 * s.drum.diameter_m * c) - s.belt.drop_height_m;
 
+  world.search.slope = tilt(2, 2) / tilt(1, 2);
+
   DrumWall built = build_drum_wall(s, outlet);
   wall = built;
   Motion turning;

@@ -55,8 +55,9 @@ std::set<IdPair> ids(const DrumState& state, const PairList& list) {
 
 TEST(PairSearch, lists_exactly_the_pairs_that_brute_force_finds) {
   // A crowd; and a few that fly so fast that they meet others several cells away.
-  for (const bool crowd : {true, false}) {
-    const PairSearch search{0.016, 0.001, crowd ? 0.002 : 0.010, 0.1};
+  for (const auto& [crowd, slope] : {std::pair{true, 0.0}, {false, 0.0}, {true, -0.3}, {false, 0.4}}) {
+    PairSearch search{0.016, 0.001, crowd ? 0.002 : 0.010, 0.1};
+    search.slope = slope;
     DrumState state = crowd ? cloud(1500, 0.12) : cloud(300, 0.25);
     if (!crowd)
       for (Eigen::Vector3d& v : state.balls.velocity) v *= 5;
