@@ -178,13 +178,12 @@ bool find_wall_rows(const World& world, const RowInput& in, const Balls& balls, 
 
 void list_inverse_masses(const World& world, const Balls& balls, std::vector<double>& out) {
   out.resize(balls.size());
-  const bool alike = world.physics.effects.size_spread == 0;
-  const double typical = world.inverse_mass(0.5 * world.physics.material.diameter_m);
-  for (std::size_t i = 0; i < balls.size(); ++i)
-    out[i] = balls.exit[i] == static_cast<std::uint8_t>(Exit::fixed) ? 0
-             : alike && balls.radius[i] == 0.5 * world.physics.material.diameter_m
-                 ? typical
-                 : world.inverse_mass(balls.radius[i]);
+  // Most balls are alike.
+  const double radius = 0.5 * world.physics.material.diameter_m, typical = world.inverse_mass(radius);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const bool fixed = balls.exit[i] == static_cast<std::uint8_t>(Exit::fixed);
+    out[i] = fixed ? 0 : balls.radius[i] == radius ? typical : world.inverse_mass(balls.radius[i]);
+  }
 }
 
 }  // namespace
