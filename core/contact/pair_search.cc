@@ -68,9 +68,7 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
       const FloatV near = hn::Add(hn::LoadU(d, f.radius + j), near_reach);
       const MaskV in_run = hn::FirstN(d, HWY_MIN(simd_lanes, runs.end[r] - j)),
                   is_near = hn::And(in_run, a.Within(near));
-      std::uint8_t bytes[8] = {0}, near_bytes[8] = {0};
-      hn::StoreMaskBits(d, is_near, near_bytes);
-      const std::uint32_t near_bits = near_bytes[0] | static_cast<std::uint32_t>(near_bytes[1]) << 8;
+      const std::uint32_t near_bits = BitsOf(is_near);
       std::uint32_t bits = near_bits;
       if constexpr (with_far) {
         const FloatV far = hn::Add(near, more);
@@ -79,8 +77,7 @@ HWY_INLINE std::size_t FindIn(const Flights& f, std::uint32_t i, const Runs& run
           const FloatV reach = hn::Add(far, hn::Add(turn, hn::LoadU(d, f.turn + j)));
           listed = hn::Or(listed, hn::Le(a.begin, hn::Mul(reach, reach)));
         }
-        hn::StoreMaskBits(d, hn::And(in_run, listed), bytes);
-        bits |= bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+        bits |= BitsOf(hn::And(in_run, listed));
       }
       while (bits != 0) {
         const int lane = __builtin_ctz(bits);
@@ -144,12 +141,17 @@ double listed_gap(const PairSearch& search, double speed) {
   return search.margin + (search.extra_speed + speed) * search.horizon;
 }
 
+/// Of two balls this far apart along y.
+bool other_image_is_nearer(const PairSearch& search, double apart) {
+  return search.period > 0 && std::abs(apart) > 0.5 * search.period;
+}
+
 /// @param shift  added to j's y: 0, or the period for a pair across the periodic boundary
 /// @return 0: not to be listed, 1: far, 2: near
 int listed(const PairSearch& search, const Balls& balls, std::size_t i, std::size_t j, double shift = 0) {
   Eigen::Vector3d apart = balls.position[j] - balls.position[i];
   apart[1] += shift;
-  if (search.period > 0 && std::abs(apart[1]) > 0.5 * search.period) return 0;  // the other image is nearer
+  if (other_image_is_nearer(search, apart[1])) return 0;
   const Eigen::Vector3d closing = (balls.velocity[j] - balls.velocity[i]) * search.horizon;
   const double when = std::clamp(-apart.dot(closing) / std::max(closing.squaredNorm(), 1e-20), 0.0, 1.0);
   const double distance = (apart + closing * when).norm();
@@ -174,10 +176,6 @@ void list_anywhere(PairList& list, std::uint32_t a, std::uint32_t b, int how) {
     append(list.apart, pair);
   else
     append(how == 2 ? list.slabs[s].near : list.slabs[s].far, pair);
-}
-
-bool other_image_is_nearer(const PairSearch& search, const Balls& balls, std::size_t i, std::size_t j) {
-  return search.period > 0 && std::abs(balls.position[j][1] - balls.position[i][1]) > 0.5 * search.period;
 }
 
 /// Pairs of a slab: each ball with those after it in its own cell and with the 13 cells behind, which are 5 runs of places.
@@ -207,7 +205,7 @@ void list_near_pairs(const PairSearch& search, const Flights& flights, const Cel
     const std::size_t num = find(flights, i, runs, hits.data());
     for (std::size_t k = 0; k < num; ++k) {
       const std::uint32_t j = hits[k] / 2;
-      if (other_image_is_nearer(search, balls, i, j)) continue;
+      if (other_image_is_nearer(search, balls.position[j][1] - balls.position[i][1])) continue;
       append(hits[k] % 2 == 1 ? slab.near : slab.far, BallPair{i, j});
       count_near(list, i, j);
     }
@@ -252,7 +250,7 @@ void list_far_pairs(const PairSearch& search, const Flights& flights, const Cell
       for (std::size_t k = 0; k < num; ++k) {
         const std::uint32_t j = hits[k] / 2;
         if (j < i && is_loose(j)) continue;  // of two loose ones the first has listed the pair
-        if (other_image_is_nearer(search, balls, i, j)) continue;
+        if (other_image_is_nearer(search, balls.position[j][1] - balls.position[i][1])) continue;
         const BallPair pair{std::min(i, j), std::max(i, j)};
         if (pair[0] < own.begin || pair[1] >= list.reach_end(s))
           append(own.apart, pair);

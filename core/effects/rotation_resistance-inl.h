@@ -41,10 +41,20 @@ HWY_INLINE RotationArmsV RotationArms(const BodiesV& a, const BodiesV& b) {
   return out;
 }
 
-/// Torque impulse within its limits: along n and across it.
-HWY_INLINE Vector3V ClipTurn(Vector3V wanted, Vector3V n, FloatV most_across, FloatV most_along) {
-  const FloatV along = Dot(n, wanted);
-  const Vector3V across = Clip(wanted - n * along, most_across);
+/// The torque impulse that stops the relative rotation, q being there already, within its limits across n and along it.
+template <bool wall>
+HWY_INLINE Vector3V StoppingTurn(const ContactPacks& packs, std::size_t p, std::size_t lane, const BodiesV& a,
+                                 const BodiesV& b, const RotationArmsV& arms, Vector3V n, FloatV pressed, Vector3V q) {
+  const FloatTag d;
+  Vector3V rate = a.surface * arms.a;
+  if constexpr (wall)
+    rate = rate - Load3(packs.wall_turn.data()[p].of, lane);
+  else
+    rate = rate - b.surface * arms.b;
+  const Vector3V wanted = q - rate * arms.inverse;
+  const RotationLimits& limits = packs.limits.data()[p];
+  const FloatV along = Dot(n, wanted), most_along = hn::Mul(hn::Set(d, limits.twisting), pressed);
+  const Vector3V across = Clip(wanted - n * along, hn::Mul(hn::Set(d, limits.rolling), pressed));
   return across + n * hn::Max(hn::Min(along, most_along), hn::Neg(most_along));
 }
 

@@ -25,6 +25,13 @@ using FloatV = hn::Vec<FloatTag>;
 using MaskV = hn::Mask<FloatTag>;
 constexpr std::size_t simd_lanes = hn::MaxLanes(FloatTag());
 
+/// Bit per lane.
+HWY_INLINE std::uint32_t BitsOf(MaskV mask) {
+  std::uint8_t bytes[8] = {0};
+  hn::StoreMaskBits(FloatTag(), mask, bytes);
+  return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+}
+
 /// One number per lane, with the operators that physics is written in.
 struct RealV {
   FloatV v;

@@ -40,6 +40,15 @@ HWY_INLINE BodiesV WallBodies(Vector3V velocity) {
   return {velocity, zero, {zero, zero, zero}, zero};
 }
 
+/// The other side of these contacts: balls, or pieces of wall.
+template <bool wall>
+HWY_INLINE BodiesV LoadOther(const ContactPacks& packs, std::size_t p, std::size_t lane, const BodyVelocity* bodies) {
+  if constexpr (wall)
+    return WallBodies(Load3(packs.wall_velocity.data()[p].of, lane));
+  else
+    return LoadBodies(bodies, packs.rows.data()[p].b + lane);
+}
+
 /// Relative velocity of the two surfaces at the contact; arm_n = c n.
 HWY_INLINE Vector3V SlidingVelocity(const BodiesV& a, const BodiesV& b, Vector3V arm_n) {
   return a.linear - b.linear + Cross(arm_n, a.surface + b.surface);

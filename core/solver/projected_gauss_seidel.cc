@@ -37,11 +37,7 @@ HWY_INLINE void VisitPack(ContactPacks& packs, std::size_t p, BodyVelocity* HWY_
   const ContactPack& row = packs.rows.data()[p];
   ImpulsePack& impulse = packs.impulse.data()[p];
   for (std::size_t lane = 0; lane < pack_width; lane += simd_lanes) {
-    BodiesV a = LoadBodies(velocity, row.a + lane), b;
-    if constexpr (wall)
-      b = WallBodies(Load3(packs.wall_velocity.data()[p].of, lane));
-    else
-      b = LoadBodies(velocity, row.b + lane);
+    BodiesV a = LoadBodies(velocity, row.a + lane), b = LoadOther<wall>(packs, p, lane, velocity);
     const Vector3V n = Load3(row.normal, lane), old_t = Load3(impulse.tangent, lane);
     const FloatV arm = hn::Load(d, row.arm + lane), old_n = hn::Load(d, impulse.normal + lane);
     const Vector3V arm_n = n * arm;
@@ -79,14 +75,7 @@ HWY_INLINE void VisitPack(ContactPacks& packs, std::size_t p, BodyVelocity* HWY_
       if constexpr (apply_only) {
         Twist(a, b, arms, old_q, !wall);
       } else {
-        Vector3V rate = a.surface * arms.a;
-        if constexpr (wall)
-          rate = rate - Load3(packs.wall_turn.data()[p].of, lane);
-        else
-          rate = rate - b.surface * arms.b;
-        const RotationLimits& limits = packs.limits.data()[p];
-        const Vector3V new_q = ClipTurn(old_q - rate * arms.inverse, n, hn::Mul(hn::Set(d, limits.rolling), new_n),
-                                        hn::Mul(hn::Set(d, limits.twisting), new_n));
+        const Vector3V new_q = StoppingTurn<wall>(packs, p, lane, a, b, arms, n, new_n, old_q);
         Twist(a, b, arms, new_q - old_q, !wall);
         Store3(new_q, turn.of, lane);
       }

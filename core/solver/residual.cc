@@ -36,12 +36,7 @@ void AddPacks(const ContactPacks& packs, const BodyVelocity* velocity, ResidualS
     const ImpulsePack& impulse = packs.impulse.data()[p];
     HWY_ALIGN float errors[pack_width];
     for (std::size_t lane = 0; lane < pack_width; lane += simd_lanes) {
-      const BodiesV a = LoadBodies(velocity, row.a + lane);
-      BodiesV b;
-      if constexpr (wall)
-        b = WallBodies(Load3(packs.wall_velocity.data()[p].of, lane));
-      else
-        b = LoadBodies(velocity, row.b + lane);
+      const BodiesV a = LoadBodies(velocity, row.a + lane), b = LoadOther<wall>(packs, p, lane, velocity);
       const Vector3V n = Load3(row.normal, lane);
       const FloatV arm = hn::Load(d, row.arm + lane), w = hn::Add(a.inverse_mass, b.inverse_mass);
       const Vector3V u = SlidingVelocity(a, b, n * arm);
@@ -62,15 +57,8 @@ void AddPacks(const ContactPacks& packs, const BodyVelocity* velocity, ResidualS
 
       if (!packs.turn.empty()) {
         const RotationArmsV arms = RotationArms<wall>(a, b);
-        Vector3V rate = a.surface * arms.a;
-        if constexpr (wall)
-          rate = rate - Load3(packs.wall_turn.data()[p].of, lane);
-        else
-          rate = rate - b.surface * arms.b;
         const Vector3V q = Load3(packs.turn.data()[p].of, lane);
-        const RotationLimits& limits = packs.limits.data()[p];
-        const Vector3V wanted = ClipTurn(q - rate * arms.inverse, n, hn::Mul(hn::Set(d, limits.rolling), lambda),
-                                         hn::Mul(hn::Set(d, limits.twisting), lambda));
+        const Vector3V wanted = StoppingTurn<wall>(packs, p, lane, a, b, arms, n, lambda, q);
         const Vector3V e_r = (q - wanted) * hn::Div(one, arms.inverse);
         squared = hn::Add(squared, Dot(e_r, e_r));
       }

@@ -98,18 +98,15 @@ bool MakeRows(const RowInput& in, const Surface& surface, std::size_t begin, std
     ImpulsePack& impulse = packs.impulse.data()[p];
     bool used = false;
     for (std::size_t lane = 0; lane < pack_width; lane += simd_lanes) {
-      const BodiesV a = LoadBodies(in.velocity, row.a + lane);
-      BodiesV b;
+      const BodiesV a = LoadBodies(in.velocity, row.a + lane), b = LoadOther<wall>(packs, p, lane, in.velocity);
       Vector3V n;
       FloatV overlap, arm = one, reduced = a.radius;
       MaskV exists;
       if constexpr (wall) {
-        b = WallBodies(Load3(packs.wall_velocity.data()[p].of, lane));
         n = Load3(row.normal, lane);
         overlap = hn::Load(d, row.overlap + lane);
         exists = hn::Gt(a.inverse_mass, zero);
       } else {
-        b = LoadBodies(in.velocity, row.b + lane);
         // Idle lanes name a body that has no place.
         HWY_ALIGN std::uint32_t place_a[pack_width], place_b[pack_width];
         hn::Store(hn::Min(hn::Load(u, row.a + lane), last), u, place_a);
@@ -194,9 +191,9 @@ void MakeImpactRows(const RowInput& in, const Surface& surface, std::size_t begi
     ContactPack& row = packs.rows.data()[p];
     for (std::size_t lane = 0; lane < pack_width; lane += simd_lanes) {
       const FloatV bias = hn::Load(d, row.bias + lane), overlap = hn::Load(d, row.overlap + lane), zero = hn::Zero(d);
-      Vector3V closing = LoadBodies(in.velocity, row.a + lane).linear;
-      closing = closing -
-                (wall ? Load3(packs.wall_velocity.data()[p].of, lane) : LoadBodies(in.velocity, row.b + lane).linear);
+      const BodiesV b =
+          wall ? LoadOther<true>(packs, p, lane, in.velocity) : LoadOther<false>(packs, p, lane, in.velocity);
+      const Vector3V closing = LoadBodies(in.velocity, row.a + lane).linear - b.linear;
       const FloatV separating = Dot(Load3(row.normal, lane), closing);
       const FloatV rebound = hn::Mul(hn::Set(d, static_cast<float>(-surface.restitution)), separating);
       const FloatV gap = hn::Min(zero, hn::Mul(overlap, hn::Set(d, static_cast<float>(1 / in.time_step))));

@@ -72,10 +72,8 @@ std::size_t NearTriangles(const std::int32_t* HWY_RESTRICT triangles, const floa
     const FloatV when = hn::Min(hn::Max(hn::Mul(Dot(away, along), per_length), zero), one);
     const Vector3V then = away - along * when;
     const FloatV within = hn::Add(hn::LoadU(d, r + k), hn::Set(d, reach));
-    std::uint8_t bytes[8] = {0};
     const MaskV in_list = hn::FirstN(d, HWY_MIN(simd_lanes, num - k));
-    hn::StoreMaskBits(d, hn::And(in_list, hn::Le(Dot(then, then), hn::Mul(within, within))), bytes);
-    std::uint32_t bits = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+    std::uint32_t bits = BitsOf(hn::And(in_list, hn::Le(Dot(then, then), hn::Mul(within, within))));
     while (bits != 0) {
       out[found++] = triangles[k + static_cast<std::size_t>(__builtin_ctz(bits))];
       bits &= bits - 1;

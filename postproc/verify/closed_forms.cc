@@ -8,8 +8,8 @@
 #include "core/geometry/random.h"
 #include "core/scene/incline.h"
 #include "core/scene/scene_run.h"
+#include "core/scene/scene_value.h"
 #include "postproc/verify/groups.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {

@@ -4,27 +4,13 @@
 #include <cmath>
 
 #include "core/scene/collapse.h"
+#include "core/scene/scene_value.h"
+#include "postproc/verify/glass_beads.h"
 #include "postproc/verify/groups.h"
 #include "postproc/verify/line_figure.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
-
-/// Glass beads, 1 cm so that a time step is a small part of sqrt(d/g): run-out over length knows no size.
-Physics beads(bool fine) {
-  Physics p;
-  p.material.diameter_m = 0.01;
-  p.material.density_kg_m3 = 2500;
-  p.material.friction = 0.5;
-  p.material.restitution = 0.5;
-  p.material.stiffness_N_m15 = 1e6;
-  p.material.damping_s = 0.0005;
-  p.solver.outer_step_s = fine ? 0.002 : 0.004;
-  p.solver.sub_steps = 2;
-  p.solver.iterations = fine ? 30 : 15;
-  return p;
-}
 
 /// Published run-out in channels. Between the ends of the two linear laws and the power law both bounds are continued.
 double least(double a) { return a < 3 ? 1.2 * a : 1.9 * std::pow(a, 2.0 / 3); }
@@ -45,7 +31,7 @@ std::vector<VerifyCase> verify_column_collapse(const VerifyOptions& options) {
       options.full ? std::vector<double>{0.6, 1, 1.5, 2, 2.6, 4.5, 6, 9} : std::vector<double>{1, 2, 4.5};
   std::vector<VerifyCase> out;
   for (Beads& s : series) {
-    Physics physics = beads(options.full);
+    Physics physics = glass_beads(options.full);
     physics.effects.rolling_friction = s.rolling;
     s.curve.name = s.name;
     s.curve.points = true;

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "core/scene/drop.h"
+#include "core/scene/scene_value.h"
 #include "postproc/verify/groups.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/scene/pile.h"
+#include "core/scene/scene_value.h"
 #include "postproc/verify/groups.h"
 #include "postproc/verify/line_figure.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {

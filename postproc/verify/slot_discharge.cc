@@ -5,29 +5,16 @@
 #include <utility>
 
 #include "core/scene/deposit.h"
+#include "core/scene/scene_value.h"
 #include "core/scene/slot.h"
+#include "postproc/verify/glass_beads.h"
 #include "postproc/verify/groups.h"
 #include "postproc/verify/line_figure.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {
 
 constexpr double diameter = 0.01, k_beverloo = 1.4;
-
-Physics beads(bool fine) {
-  Physics p;
-  p.material.diameter_m = diameter;
-  p.material.density_kg_m3 = 2500;
-  p.material.friction = 0.5;
-  p.material.restitution = 0.5;
-  p.material.stiffness_N_m15 = 1e6;
-  p.material.damping_s = 0.0005;
-  p.solver.outer_step_s = fine ? 0.002 : 0.004;
-  p.solver.sub_steps = 2;
-  p.solver.iterations = fine ? 30 : 15;
-  return p;
-}
 
 /// As wide and as full as measurements ask for: 2.5 D, and 1.2 times that (Nedderman 1992; Mankoc et al. 2007).
 SlotScene silo(double opening, bool full) {
@@ -48,7 +35,7 @@ SlotScene silo(double opening, bool full) {
 
 std::vector<VerifyCase> verify_slot_discharge(const VerifyOptions& options) {
   const auto goes_on = [&](const SceneProgress&) { return !options.goes_on || options.goes_on(); };
-  const Physics physics = beads(options.full);
+  const Physics physics = glass_beads(options.full);
   const std::vector<double> openings = options.full ? std::vector<double>{0.06, 0.08, 0.10, 0.14, 0.20, 0.28}
                                                     : std::vector<double>{0.06, 0.08, 0.10, 0.12};
   std::vector<VerifyCase> out;

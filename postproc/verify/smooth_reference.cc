@@ -9,9 +9,9 @@
 #include "core/io/durable_file.h"
 #include "core/scene/drum.h"
 #include "core/scene/rotating_drum.h"
+#include "core/scene/scene_value.h"
 #include "postproc/child_process.h"
 #include "postproc/verify/groups.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {

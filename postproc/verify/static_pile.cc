@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/scene/packing.h"
+#include "core/scene/scene_value.h"
 #include "postproc/verify/groups.h"
-#include "postproc/verify/scene_value.h"
 
 namespace drumsweep {
 namespace {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/scene/scene_value.h"
+
 namespace drumsweep {
 namespace {
 
@@ -12,12 +14,6 @@ SceneFile incline(const std::string& keys, const std::string& tables = "") {
   return parse_scene("[scene]\ntype = \"incline\"\n" + keys +
                          "\n[solver]\nouter_step_s = 1e-3\nsub_steps = 1\niterations = 50\n" + tables,
                      "test.toml");
-}
-
-double observed(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
 }
 
 double observed(const SceneFile& file, const std::string& name) {

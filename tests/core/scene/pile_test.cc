@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/scene.h"
+#include "support/scene_text.h"
 
 namespace drumsweep {
 namespace {
@@ -17,28 +18,8 @@ std::string pellets(const std::string& scene, const std::string& more = "", cons
          more;
 }
 
-SceneResult run(const std::string& text) {
-  const SceneFile file = parse_scene(text, "pile.toml");
-  return file.scene->run(file.physics, {});
-}
-
-double value(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    parse_scene(text, "pile.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Pile, poured_heap_is_static_and_holds_all_that_was_poured) {
-  const SceneResult r = run(pellets("shape = \"plane\"\nmass_kg = 0.8\n"));
+  const SceneResult r = run_scene(pellets("shape = \"plane\"\nmass_kg = 0.8\n"));
   EXPECT_EQ(r.lost, 0);
   EXPECT_NEAR(value(r, "mass_on_base") + value(r, "mass_left_base"), 0.8, 0.01);
   EXPECT_EQ(value(r, "at_rest"), 1);
@@ -49,7 +30,7 @@ TEST(Pile, poured_heap_is_static_and_holds_all_that_was_poured) {
 }
 
 TEST(Pile, disc_without_a_mass_is_poured_until_it_overflows) {
-  const SceneResult r = run(pellets("longest_settling_s = 0.5\n", "", "0.055 0.013"));
+  const SceneResult r = run_scene(pellets("longest_settling_s = 0.5\n", "", "0.055 0.013"));
   EXPECT_EQ(r.lost, 0);
   EXPECT_GT(value(r, "mass_left_base"), 0);
   EXPECT_EQ(value(r, "base_radius"), 0.055);
@@ -59,7 +40,7 @@ TEST(Pile, rolling_resistance_makes_a_smooth_plate_hold_a_heap) {
   const std::string scene =
       "shape = \"plane\"\nbase = \"smooth\"\nprotocol = \"lifted_cylinder\"\nmass_kg = 0.5\n"
       "cylinder_radius_m = 0.04\nlift_speed_m_s = 0.1\nlongest_settling_s = 0.5\n";
-  const SceneResult r = run(pellets(scene));
+  const SceneResult r = run_scene(pellets(scene));
   EXPECT_EQ(r.lost, 0);
   EXPECT_EQ(value(r, "glued_balls"), 0);
   EXPECT_GT(value(r, "height"), 0.02);
@@ -67,20 +48,20 @@ TEST(Pile, rolling_resistance_makes_a_smooth_plate_hold_a_heap) {
 
 TEST(Pile, equal_file_and_seed_give_equal_heaps) {
   const std::string text = pellets("shape = \"plane\"\nmass_kg = 0.1\nlongest_settling_s = 0.1\n");
-  EXPECT_EQ(state_hash(run(text).state), state_hash(run(text).state));
+  EXPECT_EQ(state_hash(run_scene(text).state), state_hash(run_scene(text).state));
 }
 
 TEST(Pile, smooth_step_pours_too) {
-  const SceneResult r =
-      run(pellets("shape = \"plane\"\nmass_kg = 0.03\nlongest_settling_s = 0.05\n", "[step]\nmethod = \"smooth\"\n"));
+  const SceneResult r = run_scene(
+      pellets("shape = \"plane\"\nmass_kg = 0.03\nlongest_settling_s = 0.05\n", "[step]\nmethod = \"smooth\"\n"));
   EXPECT_EQ(r.lost, 0);
   EXPECT_EQ(r.num_balls, 7);
 }
 
 TEST(Pile, what_the_scene_cannot_do_is_an_error_that_names_the_key) {
-  EXPECT_NE(error_of(pellets("shape = \"plane\"\n")).find("scene.mass_kg"), std::string::npos);
-  EXPECT_NE(error_of(pellets("protocol = \"lifted_cylinder\"\n")).find("scene.mass_kg"), std::string::npos);
-  EXPECT_NE(error_of(pellets("source_height_m = 0.01\n")).find("scene.source_height_m"), std::string::npos);
+  EXPECT_NE(scene_error(pellets("shape = \"plane\"\n")).find("scene.mass_kg"), std::string::npos);
+  EXPECT_NE(scene_error(pellets("protocol = \"lifted_cylinder\"\n")).find("scene.mass_kg"), std::string::npos);
+  EXPECT_NE(scene_error(pellets("source_height_m = 0.01\n")).find("scene.source_height_m"), std::string::npos);
 }
 
 }  // namespace

@@ -5,18 +5,10 @@
 
 #include "core/config/toml_fields.h"
 #include "core/scene/scene.h"
+#include "support/scene_text.h"
 
 namespace drumsweep {
 namespace {
-
-std::string complaint(const std::string& text) {
-  try {
-    parse_scene(text, "scene.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(SceneFile, every_shipped_scene_is_valid_and_each_type_has_one) {
   std::set<std::string> types;
@@ -39,26 +31,26 @@ TEST(SceneFile, written_out_with_all_keys_reads_back_to_the_same) {
 }
 
 TEST(SceneFile, complaints_name_file_line_key_value_and_what_is_accepted) {
-  EXPECT_NE(complaint("[scene]\nspeed_m_s = 1\n").find("needs type"), std::string::npos);
-  const std::string type = complaint("[scene]\ntype = \"dorp\"\n");
+  EXPECT_NE(scene_error("[scene]\nspeed_m_s = 1\n").find("needs type"), std::string::npos);
+  const std::string type = scene_error("[scene]\ntype = \"dorp\"\n");
   EXPECT_NE(type.find("scene.toml:2:"), std::string::npos) << type;
   EXPECT_NE(type.find("did you mean drop?"), std::string::npos) << type;
-  const std::string key = complaint("[scene]\ntype = \"drop\"\nangel_deg = 3\n");
+  const std::string key = scene_error("[scene]\ntype = \"drop\"\nangel_deg = 3\n");
   EXPECT_NE(key.find("scene.toml:3:"), std::string::npos) << key;
   EXPECT_NE(key.find("did you mean scene.angle_deg?"), std::string::npos) << key;
-  const std::string range = complaint("[scene]\ntype = \"drop\"\nangle_deg = 120\n");
+  const std::string range = scene_error("[scene]\ntype = \"drop\"\nangle_deg = 120\n");
   EXPECT_NE(range.find("scene.angle_deg = 120.0: accepted is 0 to 89"), std::string::npos) << range;
   // What the scene has nothing for is refused, not ignored.
-  const std::string effect = complaint("[scene]\ntype = \"drop\"\n[effects]\noutlet_coating_m = 0.003\n");
+  const std::string effect = scene_error("[scene]\ntype = \"drop\"\n[effects]\noutlet_coating_m = 0.003\n");
   EXPECT_NE(effect.find("scene.toml:4:"), std::string::npos) << effect;
   EXPECT_NE(effect.find("effects.outlet_coating_m"), std::string::npos) << effect;
-  const std::string iterations = complaint("[scene]\ntype = \"drop\"\n[solver]\niterations = 0\n");
+  const std::string iterations = scene_error("[scene]\ntype = \"drop\"\n[solver]\niterations = 0\n");
   EXPECT_NE(iterations.find("\"auto\""), std::string::npos) << iterations;
-  EXPECT_EQ(complaint("[scene]\ntype = \"drop\"\n[solver]\niterations = \"auto\"\n"), "");
+  EXPECT_EQ(scene_error("[scene]\ntype = \"drop\"\n[solver]\niterations = \"auto\"\n"), "");
 }
 
 TEST(SceneFile, a_study_table_in_a_scene_is_refused) {
-  EXPECT_NE(complaint("[scene]\ntype = \"drop\"\n[outlet]\nlength_m = 1\n").find("unknown key outlet"),
+  EXPECT_NE(scene_error("[scene]\ntype = \"drop\"\n[outlet]\nlength_m = 1\n").find("unknown key outlet"),
             std::string::npos);
 }
 

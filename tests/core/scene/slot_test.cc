@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/scene_text.h"
+
 namespace drumsweep {
 namespace {
 
@@ -12,28 +14,8 @@ std::string beads(const std::string& scene, const std::string& more = "") {
          more;
 }
 
-SceneResult run(const std::string& text) {
-  const SceneFile file = parse_scene(text, "slot.toml");
-  return file.scene->run(file.physics, {});
-}
-
-double value(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    parse_scene(text, "slot.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Slot, recycled_silo_flows_steadily_and_nothing_leaks) {
-  const SceneResult r = run(beads("adapt_s = 0.2\nrecord_s = 0.5\nlongest_settling_s = 0.5\n"));
+  const SceneResult r = run_scene(beads("adapt_s = 0.2\nrecord_s = 0.5\nlongest_settling_s = 0.5\n"));
   EXPECT_EQ(r.lost, 0);
   EXPECT_EQ(value(r, "leaked"), 0);
   EXPECT_EQ(value(r, "ran_empty"), 0);
@@ -43,8 +25,8 @@ TEST(Slot, recycled_silo_flows_steadily_and_nothing_leaks) {
 
 TEST(Slot, without_recycling_the_silo_runs_empty_through_a_round_orifice_too) {
   const SceneResult r =
-      run(beads("opening = \"round\"\nrecycle = false\nadapt_s = 0.1\nrecord_s = 5\n"
-                "longest_settling_s = 0.4\n"));
+      run_scene(beads("opening = \"round\"\nrecycle = false\nadapt_s = 0.1\nrecord_s = 5\n"
+                      "longest_settling_s = 0.4\n"));
   EXPECT_EQ(r.lost, 0);
   EXPECT_EQ(value(r, "leaked"), 0);
   EXPECT_EQ(value(r, "ran_empty"), 1);
@@ -55,7 +37,7 @@ TEST(Slot, without_recycling_the_silo_runs_empty_through_a_round_orifice_too) {
 
 TEST(Slot, smooth_step_flows_too) {
   const SceneResult r =
-      run(beads("adapt_s = 0.02\nrecord_s = 0.03\nlongest_settling_s = 0.02\n", "[step]\nmethod = \"smooth\"\n"));
+      run_scene(beads("adapt_s = 0.02\nrecord_s = 0.03\nlongest_settling_s = 0.02\n", "[step]\nmethod = \"smooth\"\n"));
   EXPECT_EQ(r.lost, 0);
 }
 
@@ -63,8 +45,8 @@ TEST(Slot, opening_smaller_than_a_ball_is_an_error_that_names_the_key) {
   const std::string text = beads("");
   std::string narrow = text;
   narrow.replace(narrow.find("opening_m = 0.06"), 16, "opening_m = 0.009");
-  EXPECT_NE(error_of(narrow).find("scene.opening_m"), std::string::npos);
-  EXPECT_EQ(error_of(text), "");
+  EXPECT_NE(scene_error(narrow).find("scene.opening_m"), std::string::npos);
+  EXPECT_EQ(scene_error(text), "");
 }
 
 }  // namespace
