@@ -15,7 +15,7 @@
 #include "core/effects/catalogue.h"
 #include "core/scene/scene.h"
 #include "core/step/world.h"
-#include "sweep/designs.h"
+#include "sweep/plan/designs.h"
 #include "sweep/progress.h"
 
 namespace drumsweep {

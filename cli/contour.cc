@@ -10,7 +10,7 @@
 
 #include "cli/commands.h"
 #include "core/config/schema.h"
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

@@ -13,7 +13,7 @@
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "core/scene/scene.h"
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

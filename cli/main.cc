@@ -11,7 +11,7 @@
 #include "core/io/durable_file.h"
 #include "core/io/hdf5_image.h"
 #include "core/io/snapshot.h"
-#include "sweep/output_lock.h"
+#include "sweep/store/output_lock.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "sweep/results.h"
 #include "sweep/stop.h"
+#include "sweep/store/results.h"
 #include "sweep/sweep.h"
 
 namespace drumsweep {

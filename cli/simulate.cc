@@ -16,7 +16,7 @@
 #include "core/parallel/parallel_for.h"
 #include "sweep/single_design.h"
 #include "sweep/stop.h"
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

@@ -17,7 +17,7 @@
 #include "core/io/durable_file.h"
 #include "sweep/progress.h"
 #include "sweep/stop.h"
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

@@ -11,11 +11,11 @@
 #include "core/scene/cpu_clock.h"
 #include "postproc/objective.h"
 #include "postproc/result_table.h"
-#include "sweep/design_run.h"
-#include "sweep/output_lock.h"
-#include "sweep/results.h"
+#include "sweep/farm/design_run.h"
 #include "sweep/stop.h"
-#include "sweep/store.h"
+#include "sweep/store/output_lock.h"
+#include "sweep/store/results.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

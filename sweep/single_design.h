@@ -7,7 +7,7 @@
 
 #include "core/scene/drum.h"
 #include "core/scene/observable.h"
-#include "sweep/designs.h"
+#include "sweep/plan/designs.h"
 #include "sweep/progress.h"
 
 namespace drumsweep {

@@ -6,11 +6,11 @@
 #include <set>
 #include <sstream>
 
-#include "sweep/designs.h"
-#include "sweep/output_lock.h"
-#include "sweep/provenance.h"
-#include "sweep/results.h"
-#include "sweep/store.h"
+#include "sweep/plan/designs.h"
+#include "sweep/store/output_lock.h"
+#include "sweep/store/provenance.h"
+#include "sweep/store/results.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 namespace {

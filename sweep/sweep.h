@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "postproc/result_table.h"
-#include "sweep/farm.h"
+#include "sweep/farm/farm.h"
 
 namespace drumsweep {
 

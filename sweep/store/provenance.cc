@@ -1,4 +1,4 @@
-#include "sweep/provenance.h"
+#include "sweep/store/provenance.h"
 
 #include <fcntl.h>
 #include <fmt/chrono.h>

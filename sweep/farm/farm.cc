@@ -1,4 +1,4 @@
-#include "sweep/farm.h"
+#include "sweep/farm/farm.h"
 
 #include <fmt/format.h>
 // The C interface only: the old C++ one does not compile without warnings.

@@ -1,4 +1,4 @@
-#include "sweep/designs.h"
+#include "sweep/plan/designs.h"
 
 #include <fmt/format.h>
 

@@ -13,12 +13,12 @@
 #include "core/io/durable_file.h"
 #include "core/parallel/parallel_for.h"
 #include "core/scene/cpu_clock.h"
-#include "sweep/design_run.h"
+#include "sweep/farm/design_run.h"
 #include "sweep/progress.h"
-#include "sweep/provenance.h"
-#include "sweep/results.h"
 #include "sweep/stop.h"
-#include "sweep/store.h"
+#include "sweep/store/provenance.h"
+#include "sweep/store/results.h"
+#include "sweep/store/store.h"
 #include "sweep/sweep.h"
 
 namespace drumsweep {

@@ -20,8 +20,8 @@
 #include "core/io/hdf5_image.h"
 #include "core/io/snapshot.h"
 #include "core/scene/drum.h"
-#include "sweep/designs.h"
-#include "sweep/output_lock.h"
+#include "sweep/plan/designs.h"
+#include "sweep/store/output_lock.h"
 
 namespace drumsweep {
 

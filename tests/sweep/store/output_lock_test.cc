@@ -1,4 +1,4 @@
-#include "sweep/output_lock.h"
+#include "sweep/store/output_lock.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

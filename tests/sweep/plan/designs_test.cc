@@ -1,4 +1,4 @@
-#include "sweep/designs.h"
+#include "sweep/plan/designs.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

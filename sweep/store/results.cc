@@ -1,4 +1,4 @@
-#include "sweep/results.h"
+#include "sweep/store/results.h"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 
 #include "core/scene/drum.h"
 #include "postproc/result_table.h"
-#include "sweep/designs.h"
+#include "sweep/plan/designs.h"
 
 namespace drumsweep {
 

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "core/config/toml_reader.h"
-#include "sweep/design_run.h"
+#include "sweep/farm/design_run.h"
 #include "sweep/stop.h"
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 #include "sweep/sweep.h"
 
 namespace drumsweep {

@@ -1,4 +1,4 @@
-#include "sweep/store.h"
+#include "sweep/store/store.h"
 
 #include <fmt/format.h>
 

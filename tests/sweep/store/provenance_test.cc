@@ -1,4 +1,4 @@
-#include "sweep/provenance.h"
+#include "sweep/store/provenance.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "sweep/output_lock.h"
+#include "sweep/store/output_lock.h"
 
 #include <fcntl.h>
 #include <fmt/chrono.h>

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "core/scene/drum.h"
-#include "sweep/designs.h"
-#include "sweep/store.h"
+#include "sweep/plan/designs.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 

@@ -1,4 +1,4 @@
-#include "sweep/design_run.h"
+#include "sweep/farm/design_run.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
