@@ -153,6 +153,9 @@ std::vector<Field> fields(Study& s) {
   FieldTable record{list, "record.", Scope::recording};
   record.number("adapt_turns", s.record.adapt_turns, 0, 1e5, "after the outlet was swapped, before recording");
   record.number("turns", s.record.turns, 1, 1e5, "whole turns recorded");
+  record.number(
+      "replicate", s.record.replicate, 0, 1e9,
+      "whole number; each has its own feed places and outlet texture, after the same warm drum; 0: the seed's");
 
   FieldTable objective{list, "objective.", Scope::evaluation};
   objective.text("window", s.objective.window, {"belt", "footprint"}, "part of the belt that f_m looks at");
@@ -300,6 +303,7 @@ void validate(const Study& study, const Where& where_or_empty) {
   validate_physics(study, where);
   need(study.record.turns == std::floor(study.record.turns), "record.turns",
        "whole turns only, so that every slot counts alike");
+  need(study.record.replicate == std::floor(study.record.replicate), "record.replicate", "a whole number");
 
   // Stages: known names, sizes, and every corner of a grid must be a valid design.
   std::vector<std::string> names;

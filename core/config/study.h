@@ -138,6 +138,7 @@ struct WarmupConfig {
 struct RecordConfig {
   double adapt_turns = 4.0;
   double turns = 2.0;
+  double replicate = 0;  ///< whole number; 0 has the study's random streams, others their own after the warm drum
 };
 
 struct ObjectiveConfig {

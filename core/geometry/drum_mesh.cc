@@ -64,8 +64,8 @@ DrumWall build_drum_wall(const Study& study, const OutletConfig& outlet_config) 
   Texture& texture = build.wall.texture;
   texture.add(drum.texture, effects.texture_height_scale, shape.circumference(), -drum.length_m, 0, study.seed,
               Purpose::texture_drum);
-  texture.add(drum.texture, effects.texture_height_scale, shape.circumference(), 0, shape.length, study.seed,
-              Purpose::texture_outlet);
+  texture.add(drum.texture, effects.texture_height_scale, shape.circumference(), 0, shape.length,
+              replicate_seed(study.seed, study.record.replicate), Purpose::texture_outlet);
   texture.add_coating(-drum.length_m, effects.drum_coating_m);
   if (effects.drum_coating_m > 0 || effects.outlet_coating_m > 0) texture.add_coating(0, effects.outlet_coating_m);
   const double resolution = drum.mesh_resolution_m;

@@ -29,4 +29,14 @@ inline std::array<double, 4> uniform4(std::int64_t seed, Purpose purpose, std::u
   return {bits[0] * 0x1p-32, bits[1] * 0x1p-32, bits[2] * 0x1p-32, bits[3] * 0x1p-32};
 }
 
+/// Seed of a replicate: the same drum simulated once more with other random numbers. Replicate 0 has the seed itself.
+inline std::int64_t replicate_seed(std::int64_t seed, double replicate) {
+  if (replicate == 0) return seed;
+  // SplitMix64 (Steele, Lea, Flood 2014) of both, so that seeds and replicates do not meet; kept below 2^53 like seeds.
+  std::uint64_t z = static_cast<std::uint64_t>(seed) + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(replicate);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<std::int64_t>((z ^ (z >> 31)) >> 11);
+}
+
 }  // namespace drumsweep

@@ -14,7 +14,9 @@
 namespace drumsweep {
 bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
              const std::function<void(const WarmState&)>& save, int threads) {
-  const DrumModel model(study, warmup_outlet(study));
+  Study first = study;
+  first.record.replicate = 0;  // replicates start from one warm drum
+  const DrumModel model(first, warmup_outlet(study));
   const WarmupConfig& config = study.warmup;
   DrumWorkspace work;
   work.threads = threads;

@@ -63,11 +63,12 @@ void feed_balls(const DrumModel& model, DrumState& state, FeedScratch& scratch) 
     return place;
   };
 
+  const std::int64_t seed = replicate_seed(study.seed, study.record.replicate);
   while (state.feed_debt_kg >= due()) {
     const auto id = static_cast<std::uint32_t>(state.counts.fed);
     std::optional<Place> place;
     for (std::uint32_t attempt = 0; attempt < max_attempts && !place; ++attempt)
-      place = find_place(uniform4(study.seed, Purpose::feed, id, attempt));
+      place = find_place(uniform4(seed, Purpose::feed, id, attempt));
     if (!place) return;
     scratch.in_zone.push_back(static_cast<std::uint32_t>(balls.size()));
     balls.add(origin + Eigen::Vector3d(place->x, 0, 0) + up * place->up + along * place->along, r, id);
