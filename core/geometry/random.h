@@ -8,7 +8,15 @@
 namespace drumsweep {
 
 /// What a stream is for; a new purpose takes a new number and leaves the others as they are.
-enum class Purpose : std::uint32_t { texture_drum = 1, texture_outlet = 2, feed = 3, fill = 4, ball_size = 5 };
+enum class Purpose : std::uint32_t {
+  texture_drum = 1,
+  texture_outlet = 2,
+  feed = 3,
+  fill = 4,
+  ball_size = 5,
+  space_filling = 6,
+  posterior_draw = 7
+};
 
 inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {

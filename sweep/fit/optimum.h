@@ -1,0 +1,31 @@
+/// Where the fitted surface is lowest, and how sure that is.
+///
+/// The region comes from the posterior of F: whole surfaces are drawn at candidate points and each one's lowest point
+/// taken; 95 % of these in each variable is the region. Candidates are drawn twice, over the box and then where the first
+/// argmins fell, and some of them lie on the faces, where a minimum often is. Parameters of the fit are kept, so a fit of
+/// few points is surer than it should be; tests/sweep/fit/optimum_test.cc has the coverage.
+#pragma once
+
+#include <vector>
+
+#include "sweep/fit/surface.h"
+
+namespace drumsweep {
+
+struct Optimum {
+  Point at;                    ///< lattice point with the lowest mean of F near its minimum
+  double f_m = 0;              ///< F there
+  double sigma_m = 0;          ///< of F there
+  Point low, high;             ///< 2.5 % and 97.5 % of the argmins a variable; not on the lattice
+  std::vector<Point> argmins;  ///< the cloud; not on the lattice
+};
+
+struct OptimumOptions {
+  int num_candidates = 400;  ///< in each of the two rounds
+  int num_draws = 400;
+};
+
+/// Global: the lowest of the candidates is polished. Deterministic in (surface, seed).
+Optimum optimum(const Surface& surface, std::int64_t seed, const OptimumOptions& options = {});
+
+}  // namespace drumsweep
