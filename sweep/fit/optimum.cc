@@ -48,7 +48,7 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
   return Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
 }
 
-std::vector<Point> drawn_argmins(const Surface& surface, const std::vector<Point>& candidates, int num_draws,
+std::vector<Point> drawn_argmins(const FittedSurface& surface, const std::vector<Point>& candidates, int num_draws,
                                  std::int64_t seed, std::uint32_t round) {
   const Posterior p = surface.posterior(candidates);
   const Eigen::MatrixXd root = square_root(p.covariance);
@@ -79,7 +79,7 @@ std::pair<Point, Point> around(const Box& box, const std::vector<Point>& points)
 }
 
 /// Minimum of the mean near `start`, in unit coordinates so that steps mean the same in every variable.
-Point polished(const Surface& surface, const Point& start) {
+Point polished(const FittedSurface& surface, const Point& start) {
   const Box& box = surface.box();
   const std::size_t d = box.size();
   // A second, idle variable where there is one only: BOBYQA needs two.
@@ -94,7 +94,7 @@ Point polished(const Surface& surface, const Point& start) {
 }
 
 /// The best lattice point within one step: rounding alone may go up the wall of a valley.
-Point best_lattice_point(const Surface& surface, const Point& at) {
+Point best_lattice_point(const FittedSurface& surface, const Point& at) {
   const Box& box = surface.box();
   std::vector<Point> tries(1);
   for (std::size_t k = 0; k < box.size(); ++k) {
@@ -129,7 +129,7 @@ double quantile(std::vector<double> values, double share) {
 
 }  // namespace
 
-Optimum optimum(const Surface& surface, std::int64_t seed, const OptimumOptions& options) {
+Optimum optimum(const FittedSurface& surface, std::int64_t seed, const OptimumOptions& options) {
   const Box& box = surface.box();
   Point low, high;
   for (const DesignAxis& axis : box) {

@@ -53,10 +53,10 @@ struct LeftOut {
   double sd_m = 0;     ///< of that difference, the row's own error included
 };
 
-class Surface {
+class FittedSurface {
  public:
   /// Deterministic. @pre at least num_axes + 2 rows, finite f_m, points inside the box
-  Surface(const Box& box, std::vector<Measurement> rows);
+  FittedSurface(const Box& box, std::vector<Measurement> rows);
 
   double mean_m(const Point& at) const;  ///< of F
   double sd_m(const Point& at) const;    ///< of F
@@ -71,7 +71,7 @@ class Surface {
   double run_sd_m(const Point& at) const;     ///< sd of e of one more run
   double shared_sd_m(const Point& at) const;  ///< sd of C
   /// The same parameters with one more row. For batches: a row not yet measured, at its prediction.
-  Surface with_row(const Measurement& row) const;
+  FittedSurface with_row(const Measurement& row) const;
 
   const Box& box() const { return box_; }
   const std::vector<Measurement>& rows() const { return rows_; }
