@@ -22,12 +22,13 @@ int run(const SweepOptions& options) {
   const SweepOutcome outcome = run_sweep(farm, options);
   if (const auto best = best_row(outcome.table.rows)) {
     const ResultRow& row = outcome.table.rows[*best];
-    fmt::print("best design so far: {} (stage {})", row.design_id, row.stage);
+    fmt::print("lowest f of a single run: {} (stage {})", row.design_id, row.stage);
     for (std::size_t i = 0; i < row.variables.size(); ++i)
       fmt::print(", {} = {}", outcome.table.variable_names[i], row.variables[i]);
     fmt::print("\n  f = {:.4g} +- {:.2g} m{}\n", row.f_m, row.sigma_f_m,
                row.state == "done" ? "" : ", UNTRUSTED: " + row.reason);
   }
+  if (outcome.findings) fmt::print("{}", describe(*outcome.findings));
   fmt::print("table: {}/results.csv\n", outcome.output);
   if (!outcome.finished) {
     fmt::print(stderr, "drumsweep: stopped early: {}\n", outcome.stop_cause);

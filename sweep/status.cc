@@ -1,12 +1,15 @@
 #include "sweep/status.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
 
-#include "sweep/plan/designs.h"
+#include "core/config/schema.h"
+#include "core/io/durable_file.h"
+#include "sweep/plan/findings.h"
 #include "sweep/store/output_lock.h"
 #include "sweep/store/provenance.h"
 #include "sweep/store/results.h"
@@ -43,7 +46,19 @@ std::map<std::string, ResultRow> rows_of_table(const OutputPaths& paths) {
 SweepStatus read_status(const std::string& folder) {
   const OutputPaths paths{folder};
   const Study study = read_frozen_study(folder);
-  const Plan plan = plan_designs(study);
+  Plan plan = plan_designs(study);
+  std::error_code error;
+  if (std::filesystem::exists(paths.findings(), error)) {
+    Plan with_searches = plan;
+    try {
+      restore_searches(with_searches, study, read_whole_file(paths.findings()), paths.findings());
+      plan = std::move(with_searches);
+    } catch (const InputError&) {
+      // Of the study before stages were appended: the run that takes them up writes it anew.
+    }
+  }
+  const bool complete =
+      std::all_of(plan.stages.begin(), plan.stages.end(), [](const StageSummary& s) { return s.complete; });
   SweepStatus status;
   status.total = plan.designs.size();
   status.variable_names = plan.columns;
@@ -102,7 +117,7 @@ SweepStatus read_status(const std::string& folder) {
       ++counter;
     }
   }
-  status.finished = rows.size() == plan.designs.size();
+  status.finished = complete && rows.size() == plan.designs.size();
   if (const auto best = best_row(rows)) status.best = rows[*best];
   return status;
 }

@@ -8,6 +8,7 @@
 
 #include "postproc/result_table.h"
 #include "sweep/farm/farm.h"
+#include "sweep/plan/findings.h"
 
 namespace drumsweep {
 
@@ -23,6 +24,7 @@ struct SweepOutcome {
   std::size_t failed = 0;
   std::string output;  ///< the folder
   ResultTable table;
+  std::optional<Findings> findings;  ///< of a sweep that was not stopped
 };
 
 /// The whole job as rank 0 sees it. Rank 0 hands out one design at a time and simulates too: it answers the others

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/config/field_table.h"
+#include "core/config/stages.h"
 
 namespace drumsweep {
 void add_physics_fields(Physics& s, std::vector<Field>& list) {
@@ -166,6 +167,17 @@ std::vector<Field> fields(Study& s) {
   objective.number("cell_diameters", s.objective.cell_diameters, 0.5, 100, "bed cell in ball diameters");
   objective.number("packing", s.objective.packing, 0.1, 1, "of the bed on the belt");
   objective.number("friction_angle_deg", s.objective.friction_angle_deg, 1, 80, "steepest slope of the bed");
+
+  FieldTable refine{list, "refine.", Scope::search};
+  refine.text("method", s.refine.method, {"bobyqa", "cobyla", "sbplx", "nelder_mead"},
+              "of NLopt, in stages of type refine");
+  refine.count("starts", s.refine.starts, 1, 1000, "searches side by side, from different designs");
+  refine.count("max_evaluations", s.refine.max_evaluations, 1, 100000, "of each start");
+  refine.number("tolerance_steps", s.refine.tolerance_steps, 0.01, 1000,
+                "a start ends when its steps are this many resolutions small");
+  refine.flag("only_if_smooth", s.refine.only_if_smooth,
+              "start it only where the fit of the earlier stages says that the surface is smooth enough");
+  refine.number("tolerance_f_m", s.refine.tolerance_f_m, 0, 10, "reported: is f of the optimum below it?");
   return list;
 }
 
@@ -304,55 +316,7 @@ void validate(const Study& study, const Where& where_or_empty) {
   need(study.record.turns == std::floor(study.record.turns), "record.turns",
        "whole turns only, so that every slot counts alike");
   need(study.record.replicate == std::floor(study.record.replicate), "record.replicate", "a whole number");
-
-  // Stages: known names, sizes, and every corner of a grid must be a valid design.
-  std::vector<std::string> names;
-  for (const StageConfig& stage : study.stages) {
-    const std::string here = where("stage") + "stage \"" + stage.name + "\": ";
-    const auto unfit = [](char c) {
-      return std::string_view(",\"/\\").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20;
-    };
-    if (stage.name.empty() || std::any_of(stage.name.begin(), stage.name.end(), unfit))
-      throw InputError(here + "name: needs letters, without comma, quote, slash, backslash or control character");
-    if (std::find(names.begin(), names.end(), stage.name) != names.end()) throw InputError(here + "name: used twice");
-    names.push_back(stage.name);
-    if (stage.variables.empty()) throw InputError(here + "variables: at least one is needed");
-    for (std::size_t i = 0; i < stage.variables.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const std::string &one = stage.variables[j].key, &two = stage.variables[i].key;
-        const auto is_angle = [](const std::string& key) { return key.rfind("outlet.opening_angle_", 0) == 0; };
-        if (one == two || (is_angle(one) && is_angle(two)))
-          throw InputError(here + "variables: " + one +
-                           (one == two ? " stands there twice" : " and " + two + " are the same quantity"));
-      }
-    double nodes = 1;
-    for (const StageVariable& v : stage.variables) {
-      Study probe = study;
-      if (stage.type == "grid") {
-        if (!(v.count >= 1 && v.count <= 100000))
-          throw InputError(fmt::format("{}{}: count = {}: accepted is 1 to 100000", here, v.key, v.count));
-        if (!std::isfinite(v.from) || !std::isfinite(v.to) || v.from > v.to || (v.count == 1 && v.from != v.to))
-          throw InputError(
-              fmt::format("{}{}: from = {}, to = {}, count = {}: needs finite from <= to (equal for one node)", here,
-                          v.key, v.from, v.to, v.count));
-        nodes *= static_cast<double>(v.count);
-      } else if (v.values.empty() || v.values.size() != stage.variables.front().values.size()) {
-        throw InputError(fmt::format("{}{}: {} values: needs at least one, and as many as the other variables", here,
-                                     v.key, v.values.size()));
-      }
-      try {
-        if (stage.type == "grid") set_number(probe, v.key, v.from);
-        if (stage.type == "grid") set_number(probe, v.key, v.to);
-        for (const double value : v.values) set_number(probe, v.key, value);
-      } catch (const InputError& error) {
-        throw InputError(here + error.what());
-      }
-      for (const Field& f : fields(probe))
-        if (f.key == v.key && f.scope == Scope::warm_state && f.key.rfind("outlet.", 0) != 0)
-          throw InputError(here + v.key + ": cannot vary in a stage, because all designs start from one warm drum");
-    }
-    if (nodes > 1e6) throw InputError(fmt::format("{}{:.3g} designs: accepted is up to a million", here, nodes));
-  }
+  validate_stages(study, where);
 }
 
 void set_number(Study& study, const std::string& key, double value) {

@@ -23,6 +23,7 @@ enum class Scope {
   warm_state,  ///< the warm drum and everything after it
   recording,   ///< the landings of each design
   evaluation,  ///< only numbers computed from stored landings
+  search,      ///< which designs are simulated
   label,       ///< nothing
 };
 

@@ -150,19 +150,42 @@ struct ObjectiveConfig {
   double friction_angle_deg = 35.0;
 };
 
-/// One axis of a grid, or one column of a list of points.
+/// One axis of a grid, one column of a list of points, or one range to search in.
 struct StageVariable {
-  std::string key;             ///< any numeric key of the study, e.g. "outlet.base_width_m"
-  double from = not_given;     ///< grid
-  double to = not_given;       ///< grid
-  std::int64_t count = 1;      ///< grid
-  std::vector<double> values;  ///< points
+  std::string key;                ///< any numeric key of the study, e.g. "outlet.base_width_m"
+  double from = not_given;        ///< grid, searches
+  double to = not_given;          ///< grid, searches
+  std::int64_t count = 1;         ///< grid
+  std::vector<double> values;     ///< points
+  double resolution = not_given;  ///< searches: designs lie on from + whole multiples; not given: 1/200 of the range
 };
 
+/// What a stage asks for. "grid": all combinations; "points": the i-th values together. The others ("zoom", "adaptive",
+/// "refine", "replicate") decide from the results of all earlier stages, see sweep/plan/planner.h.
 struct StageConfig {
   std::string name;
-  std::string type = "grid";  ///< "grid": all combinations; "points": the i-th values together
-  std::vector<StageVariable> variables;
+  std::string type = "grid";
+  std::vector<StageVariable> variables;  ///< a search without any has the ranges of the earlier stages
+
+  std::int64_t nodes = 5;  ///< zoom: along each variable
+  double margin = 0.25;  ///< zoom: the region is larger than that of the optimum, by this share of its size at each end
+  std::int64_t budget = 40;     ///< adaptive: designs, the initial ones included
+  std::int64_t initial = 12;    ///< adaptive: spread evenly before the first fit; results of earlier stages count
+  std::int64_t batch = 4;       ///< adaptive: designs chosen together from one fit
+  std::int64_t designs = 1;     ///< replicate: the optimum of the fit, then the best that have been simulated
+  std::int64_t replicates = 4;  ///< replicate: of each
+  double turns = not_given;     ///< replicate: recorded, instead of record.turns
+  std::string file{};           ///< points: CSV file that has them; empty once it has been read
+};
+
+/// How stages of type "refine" search, and what the study reports about its optimum.
+struct RefineConfig {
+  std::string method = "bobyqa";
+  std::int64_t starts = 4;            ///< searches side by side, from different designs
+  std::int64_t max_evaluations = 25;  ///< of each start
+  double tolerance_steps = 1.0;       ///< a start ends when its steps are this small, in units of the resolution
+  bool only_if_smooth = true;         ///< else the optimiser starts whatever the gate says
+  double tolerance_f_m = 0.0;         ///< reported: is f below it?
 };
 
 struct Study : Physics {
@@ -174,6 +197,7 @@ struct Study : Physics {
   WarmupConfig warmup;
   RecordConfig record;
   ObjectiveConfig objective;
+  RefineConfig refine;
   std::vector<StageConfig> stages;
 };
 

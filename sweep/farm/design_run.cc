@@ -12,9 +12,9 @@
 
 namespace drumsweep {
 
-DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
-                                 std::size_t index, const std::string& host, const Observer& observer, int threads) {
-  const PlannedDesign& design = plan.designs.at(index);
+DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm,
+                                 const PlannedDesign& design, std::size_t index, const std::string& host,
+                                 const Observer& observer, int threads) {
   const auto begin = std::chrono::steady_clock::now();
   const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
   DesignOutcome outcome{index, DesignOutcome::Kind::done, 0, 0, host, ""};
@@ -36,6 +36,26 @@ DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, c
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   outcome.cpu_s = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin;
   return outcome;
+}
+
+std::string pack_assignment(const Assignment& a) {
+  std::string text = fmt::format("{} {}", a.index, a.design.id);
+  for (const auto& [key, value] : a.design.values) text += fmt::format(" {} {}", key, value);
+  return text;
+}
+
+Assignment unpack_assignment(const std::string& text) {
+  Assignment a;
+  std::istringstream stream(text);
+  bool good = static_cast<bool>(stream >> a.index >> a.design.id);
+  std::string key;
+  while (good && stream >> key) {
+    double value = 0;
+    good = static_cast<bool>(stream >> value);
+    a.design.values.emplace_back(key, value);
+  }
+  if (!good) throw std::runtime_error("message with a design that cannot be read: " + text);
+  return a;
 }
 
 std::string pack_outcome(const DesignOutcome& o) {

@@ -20,10 +20,19 @@ struct DesignOutcome {
 
 /// Simulates the design and writes its recording (or its failure) durably before it returns.
 /// An exception out of the engine is this design's failure. @throws WriteError, std::bad_alloc: the machine's fault
-DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
-                                 std::size_t index, const std::string& host, const Observer& observer, int threads = 1);
+DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm,
+                                 const PlannedDesign& design, std::size_t index, const std::string& host,
+                                 const Observer& observer, int threads = 1);
 
-/// As text for a message, and back.
+/// What a rank has to know of a design, as text for a message: its place in the plan and its values; and back.
+struct Assignment {
+  std::size_t index = 0;
+  PlannedDesign design;  ///< id and values only
+};
+std::string pack_assignment(const Assignment& assignment);
+Assignment unpack_assignment(const std::string& text);
+
+/// The same for the outcome.
 std::string pack_outcome(const DesignOutcome& outcome);
 DesignOutcome unpack_outcome(const std::string& text);
 

@@ -4,7 +4,7 @@
 ///   tag     from -> to    body                       meaning
 ///   study   0 -> r        output folder, study text  a sweep has begun
 ///   warm    0 -> r        number of bytes            the warm drum follows by broadcast()
-///   design  0 -> r        index in the plan          simulate this one
+///   design  0 -> r        assignment (design_run.h)  simulate this one
 ///   done    r -> 0        outcome of the design      it is stored durably (or failed, or was stopped); wants another
 ///   broken  r -> 0        cause                      this rank cannot go on (full disk ...): stop all, exit 3
 ///   stop    0 -> r        -                          stop within a step, then say bye

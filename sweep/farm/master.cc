@@ -14,6 +14,8 @@
 #include "core/parallel/parallel_for.h"
 #include "core/scene/cpu_clock.h"
 #include "sweep/farm/design_run.h"
+#include "sweep/plan/findings.h"
+#include "sweep/plan/planner.h"
 #include "sweep/progress.h"
 #include "sweep/stop.h"
 #include "sweep/store/provenance.h"
@@ -37,17 +39,18 @@ constexpr double table_interval_s = 10.0;
 
 class Master {
  public:
-  Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder, int threads)
-      : farm_(farm), study_(study), plan_(plan), threads_(threads), store_(folder, study), rows_(plan.designs.size()) {
+  Master(Farm& farm, const Study& study, const std::string& folder, int threads)
+      : farm_(farm), study_(study), planner_(study), threads_(threads), store_(folder, study) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
     busy_.resize(static_cast<std::size_t>(farm.size()));
   }
 
   SweepOutcome run() {
-    reporter_.info(fmt::format("drumsweep {}: {} designs on {} rank{}, into {}", DRUMSWEEP_VERSION,
-                               plan_.designs.size(), farm_.size(), farm_.size() == 1 ? "" : "s",
-                               store_.paths().folder));
+    reporter_.info(fmt::format("drumsweep {}: {} designs{} on {} rank{}, into {}", DRUMSWEEP_VERSION,
+                               plan().designs.size(),
+                               planner_.complete() ? "" : " and those that searches will ask for", farm_.size(),
+                               farm_.size() == 1 ? "" : "s", store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
     try {
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
@@ -123,11 +126,46 @@ class Master {
 
   // --- what is there, what is missing
 
+  const Plan& plan() const { return planner_.plan(); }
+
   void take_stock() {
-    for (std::size_t i = 0; i < plan_.designs.size() && !stopping(); ++i) {
-      const PlannedDesign& design = plan_.designs[i];
+    // What is stored may let searches ask for more, which may be stored too.
+    do look_up_new_designs();
+    while (!stopping() && pending_.empty() && extend_plan());
+    stocked_ = !stopping();
+    if (const std::size_t stored = num_rows_ - num_impossible_; stored > 0)
+      reporter_.info(fmt::format("{} of {} designs are there already", stored, plan().designs.size()));
+  }
+
+  RowOf row_of() const {
+    return [this](const PlannedDesign& design) {
+      const std::size_t i = plan().index_of_id.at(design.id);
+      return i < rows_.size() && rows_[i] ? &*rows_[i] : nullptr;
+    };
+  }
+
+  /// Lets searches ask for designs, and says what they have decided. True when there is something new.
+  bool extend_plan() {
+    std::vector<std::size_t> num_notes;
+    for (const StageSummary& stage : plan().stages) num_notes.push_back(stage.notes.size());
+    const auto begin = Clock::now();
+    const bool grown = planner_.extend(row_of());
+    fit_s_ += seconds_since(begin);
+    for (std::size_t s = 0; s < num_notes.size(); ++s)
+      for (std::size_t n = num_notes[s]; n < plan().stages[s].notes.size(); ++n)
+        reporter_.info(fmt::format("stage \"{}\": {}", plan().stages[s].name, plan().stages[s].notes[n]));
+    return grown;
+  }
+
+  /// Rows of designs that the plan has got since the last call, or a place among the pending ones.
+  void look_up_new_designs() {
+    std::size_t i = rows_.size();
+    rows_.resize(plan().designs.size());
+    for (; i < rows_.size() && !stopping(); ++i) {
+      const PlannedDesign& design = plan().designs[i];
       if (!design.impossible.empty()) {
-        rows_[i] = failed_row(design, design.impossible);
+        set_row(i, failed_row(design, design.impossible));
+        ++num_impossible_;
       } else if (!load_row(i)) {
         pending_.push_back(i);
       } else if (rows_[i]->state == "failed" && has_failure(store_.paths(), design.id)) {
@@ -136,18 +174,20 @@ class Master {
       }
       poll_ranks();
     }
-    stocked_ = !stopping();
-    if (const std::size_t stored = num_rows(); stored > 0)
-      reporter_.info(fmt::format("{} of {} designs are there already", stored, plan_.designs.size()));
+  }
+
+  void set_row(std::size_t i, ResultRow row) {
+    num_rows_ += rows_[i] ? 0 : 1;
+    rows_[i] = std::move(row);
   }
 
   /// Row of a stored design; false when nothing usable is stored.
   bool load_row(std::size_t i) {
-    const PlannedDesign& design = plan_.designs[i];
+    const PlannedDesign& design = plan().designs[i];
     try {
       const StoredDesign stored = read_design(store_.paths(), study_, design);
-      if (stored.recording) rows_[i] = evaluated_row(study_, design, *stored.recording, steady_);
-      if (stored.failure) rows_[i] = failed_row(design, *stored.failure);
+      if (stored.recording) set_row(i, evaluated_row(study_, design, *stored.recording, steady_));
+      if (stored.failure) set_row(i, failed_row(design, *stored.failure));
     } catch (const StoreError& error) {
       const bool recording = has_recording(store_.paths(), design.id);
       reporter_.warn(
@@ -159,7 +199,7 @@ class Master {
   // --- handing out
 
   void hand_out() {
-    for (int rank = 1; rank < farm_.size(); ++rank) give(rank);
+    give_to_idle_ranks();
     while (!stopping() && (!pending_.empty() || num_busy() > 0)) {
       if (!pending_.empty()) {
         simulate_one();
@@ -172,15 +212,32 @@ class Master {
     }
   }
 
+  void give_to_idle_ranks() {
+    for (int rank = 1; rank < farm_.size() && !pending_.empty(); ++rank)
+      if (!busy_[static_cast<std::size_t>(rank)]) give(rank);
+  }
+
+  /// After a result: searches may ask for more, as soon as a rank would have nothing to do.
+  void refill() {
+    bool grown = false;
+    while (!stopping() && pending_.empty() && extend_plan()) {
+      look_up_new_designs();
+      grown = true;
+    }
+    if (grown) write_findings(std::nullopt);
+    give_to_idle_ranks();
+  }
+
   /// Gives the next design to a rank; the line in provenance.csv is durable before the rank hears of it.
   std::optional<std::size_t> give(int rank) {
     if (pending_.empty() || stopping()) return std::nullopt;
     const std::size_t index = pending_.front();
-    const std::string& id = plan_.designs[index].id;
+    const PlannedDesign& design = plan().designs[index];
+    const std::string& id = design.id;
     provenance_->add({"started", id, provenance_->attempts(id) + 1, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
     pending_.pop_front();
     busy_[static_cast<std::size_t>(rank)] = index;
-    if (rank != 0) farm_.send(rank, Tag::design, std::to_string(index));
+    if (rank != 0) farm_.send(rank, Tag::design, pack_assignment({index, design}));
     return index;
   }
 
@@ -188,9 +245,12 @@ class Master {
     const std::optional<std::size_t> index = give(0);
     if (!index) return;
     const DesignOutcome outcome = observed([&](const Observer& observer) {
-      return simulate_and_store(store_.paths(), study_, warm_, plan_, *index, farm_.host(), observer, threads_);
+      // A copy: the plan may grow meanwhile.
+      const PlannedDesign design = plan().designs[*index];
+      return simulate_and_store(store_.paths(), study_, warm_, design, *index, farm_.host(), observer, threads_);
     });
     accept(0, outcome);
+    refill();
   }
 
   /// Runs something under the observer that serves the other ranks. What goes wrong in serving must not look like a
@@ -220,7 +280,7 @@ class Master {
       switch (message->tag) {
         case Tag::done:
           accept(message->from, unpack_outcome(message->body));
-          give(message->from);
+          refill();
           break;
         case Tag::broken:
           stop(message->body);
@@ -239,7 +299,7 @@ class Master {
 
   /// A rank has ended its design.
   void accept(int rank, const DesignOutcome& outcome) {
-    const PlannedDesign& design = plan_.designs.at(outcome.index);
+    const PlannedDesign& design = plan().designs.at(outcome.index);
     busy_[static_cast<std::size_t>(rank)].reset();
     const bool stopped = outcome.kind == DesignOutcome::Kind::stopped;
     const char* event = stopped ? "stopped" : outcome.kind == DesignOutcome::Kind::failed ? "failed" : "done";
@@ -267,8 +327,8 @@ class Master {
     const ResultRow& row = *rows_[outcome.index];
     const std::string result =
         row.state == "failed" ? "FAILED: " + row.reason : fmt::format("f = {:.4g} +- {:.2g} m", row.f_m, row.sigma_f_m);
-    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", num_rows(), plan_.designs.size(),
-                               design.id, drumsweep::describe(plan_, design),
+    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", num_rows_, plan().designs.size(),
+                               design.id, drumsweep::describe(plan(), design),
                                row.state == "untrusted" ? "untrusted, " : "", result, outcome.wall_s, rank));
     if (row.lost_balls > 0) reporter_.warn(fmt::format("design {}: {} balls were lost", design.id, row.lost_balls));
     if (seconds_since(table_written_) > table_interval_s) write_table();
@@ -289,7 +349,7 @@ class Master {
   void note_stopped(int rank) {
     std::optional<std::size_t>& index = busy_[static_cast<std::size_t>(rank)];
     if (!index) return;
-    const std::string& id = plan_.designs[*index].id;
+    const std::string& id = plan().designs[*index].id;
     index.reset();
     try {
       provenance_->add({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
@@ -314,35 +374,41 @@ class Master {
     attempt([&] { write_table(); });
     dismiss();
     const auto begin = Clock::now();
-    const std::size_t rows_before = num_rows();
+    const std::size_t rows_before = num_rows_;
     while (num_gone_ < farm_.size() - 1 && seconds_since(begin) < patience_s) {
       attempt([&] { poll_ranks(); });
       Farm::nap();
     }
-    if (num_rows() != rows_before) attempt([&] { write_table(); });
+    if (num_rows_ != rows_before) attempt([&] { write_table(); });
+    std::optional<Findings> findings;
+    if (stocked_ && !stopping()) {
+      findings = find(study_, plan(), row_of());
+      attempt([&] { write_findings(findings); });
+    }
     if (num_gone_ == farm_.size() - 1)
       farm_.close();
     else
       reporter_.warn(fmt::format("{} ranks do not answer and are left to the launcher", farm_.size() - 1 - num_gone_));
 
     SweepOutcome outcome;
-    outcome.finished = num_rows() == plan_.designs.size();
+    outcome.finished = planner_.complete() && num_rows_ == plan().designs.size();
     outcome.stop_cause = stop_cause_;
     outcome.output = store_.paths().folder;
     outcome.table = table();
+    outcome.findings = findings;
     for (const ResultRow& row : outcome.table.rows) outcome.failed += row.state == "failed" ? 1 : 0;
     if (outcome.finished)
-      reporter_.info(fmt::format("finished: {} designs, {} failed", num_rows(), outcome.failed));
+      reporter_.info(fmt::format("finished: {} designs, {} failed", num_rows_, outcome.failed));
     else
       reporter_.info(fmt::format("stopped early: {}what is stored stays; run the same command again to go on",
-                                 stocked_ ? fmt::format("{} of {} designs are done; ", num_rows(), rows_.size()) : ""));
+                                 stocked_ ? fmt::format("{} of {} designs are done; ", num_rows_, rows_.size()) : ""));
     return outcome;
   }
 
   ResultTable table() const {
-    ResultTable out{plan_.columns, {}};
-    for (const auto& row : rows_)
-      if (row) out.rows.push_back(*row);
+    ResultTable out{plan().columns, {}};
+    for (const std::size_t i : table_order(plan()))
+      if (i < rows_.size() && rows_[i]) out.rows.push_back(*rows_[i]);
     return out;
   }
 
@@ -357,17 +423,21 @@ class Master {
     write_durably(path, text);
   }
 
+  /// What searches have asked for, for `status`; with the findings at the end.
+  void write_findings(const std::optional<Findings>& findings) {
+    const std::string path = store_.paths().findings(), text = to_toml(plan(), findings);
+    std::error_code error;
+    if (std::filesystem::exists(path, error) && read_whole_file(path) == text) return;
+    write_durably(path, text);
+  }
+
   // --- numbers for people
 
-  std::size_t num_rows() const {
-    return static_cast<std::size_t>(
-        std::count_if(rows_.begin(), rows_.end(), [](const auto& row) { return row.has_value(); }));
-  }
   std::size_t num_busy() const {
     return static_cast<std::size_t>(
         std::count_if(busy_.begin(), busy_.end(), [](const auto& b) { return b.has_value(); }));
   }
-  SweepCounts counts() const { return {num_rows(), plan_.designs.size(), done_now_, num_busy()}; }
+  SweepCounts counts() const { return {num_rows_, plan().designs.size(), done_now_, num_busy()}; }
 
   /// Once a second into the lock file, for `status`.
   void tell_status(const std::string& phase) {
@@ -375,13 +445,13 @@ class Master {
     told_ = Clock::now();
     std::string running;
     for (const auto& index : busy_)
-      if (index) running += " " + plan_.designs[*index].id;
+      if (index) running += " " + plan().designs[*index].id;
     store_.lock().say(fmt::format("phase {}\nrunning{}\n", phase, running));
   }
 
   Farm& farm_;
   const Study& study_;
-  const Plan& plan_;
+  Planner planner_;
   int threads_;
   Store store_;
   Reporter reporter_;
@@ -391,7 +461,8 @@ class Master {
   std::vector<std::optional<ResultRow>> rows_;    ///< (num_designs) of the table
   std::deque<std::size_t> pending_;               ///< designs to simulate
   std::vector<std::optional<std::size_t>> busy_;  ///< (num_ranks) what each is at
-  std::size_t done_now_ = 0;
+  std::size_t num_rows_ = 0, num_impossible_ = 0, done_now_ = 0;
+  double fit_s_ = 0;  ///< rank 0 has spent on fits
   int num_gone_ = 0;  ///< ranks that said bye
   bool dismissed_ = false;
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
@@ -423,12 +494,10 @@ SweepOutcome run_sweep(Farm& farm, const SweepOptions& options) {
       throw InputError(options.study_path +
                        ": has no [[stage]], so there is nothing to sweep; `drumsweep simulate` runs "
                        "a single design");
-    const Plan plan = plan_designs(study);
     const std::string folder =
         options.output.empty() ? std::filesystem::path(options.study_path).stem().string() + "_result" : options.output;
     // The other ranks may have another current folder.
-    return Master(farm, study, plan, std::filesystem::absolute(folder).lexically_normal().string(), options.threads)
-        .run();
+    return Master(farm, study, std::filesystem::absolute(folder).lexically_normal().string(), options.threads).run();
   } catch (...) {
     send_home(farm);
     throw;

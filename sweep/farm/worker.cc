@@ -22,7 +22,6 @@ struct Worker {
   int threads;
   OutputPaths paths{};
   Study study{};
-  Plan plan{};
   std::optional<WarmState> warm{};
   bool told_to_stop = false, gave_up = false;
 
@@ -35,7 +34,6 @@ struct Worker {
     const std::size_t line = body.find('\n');
     paths.folder = body.substr(0, line);
     study = parse_study(body.substr(line + 1), "study from rank 0");
-    plan = plan_designs(study);
   }
 
   void receive_warm_state(const std::string& body) {
@@ -53,10 +51,11 @@ struct Worker {
 
   void simulate(const std::string& body) {
     std::exception_ptr trouble;
-    DesignOutcome outcome{std::stoull(body), DesignOutcome::Kind::stopped, 0, 0, farm.host(), ""};
+    const Assignment given = unpack_assignment(body);
+    DesignOutcome outcome{given.index, DesignOutcome::Kind::stopped, 0, 0, farm.host(), ""};
     if (!gave_up && !stop_requested())
       outcome = simulate_and_store(
-          paths, study, warm.value().state, plan, outcome.index, outcome.host,
+          paths, study, warm.value().state, given.design, outcome.index, outcome.host,
           [&](const Progress&) {
             // What goes wrong in serving must not look like a failure of the design: it is carried around the engine.
             try {

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
+#include <numeric>
 
 #include "core/config/schema.h"
+#include "core/config/stages.h"
 
 namespace drumsweep {
 namespace {
@@ -101,44 +102,66 @@ std::string design_id(const Design& values) {
   return fmt::format("{:010x}", hash >> 24);
 }
 
+std::pair<std::size_t, bool> add_design(Plan& plan, const Study& study, std::size_t stage, Design values) {
+  std::sort(values.begin(), values.end());
+  StageSummary& summary = plan.stages.at(stage);
+  ++summary.nodes;
+  const std::string id = design_id(values);
+  const auto [known, is_new] = plan.index_of_id.try_emplace(id, plan.designs.size());
+  const std::size_t index = known->second;
+  if (!is_new) {
+    const Design& other = plan.designs[index].values;
+    if (other != values)
+      throw InputError(fmt::format("stage \"{}\": designs {} and {} have the same id {}; shift a value by 1e-9",
+                                   summary.name, canonical_text(other), canonical_text(values), id));
+    ++summary.shared;
+    summary.designs.push_back(index);
+    return {index, false};
+  }
+  PlannedDesign design{id, summary.name, std::move(values), {}, {}, stage};
+  complete(study, plan.keys, design);
+  if (!design.impossible.empty()) ++summary.impossible;
+  plan.designs.push_back(std::move(design));
+  summary.designs.push_back(index);
+  return {index, true};
+}
+
 Plan plan_designs(const Study& study) {
   Plan plan;
-  for (const StageConfig& stage : study.stages)
-    for (const StageVariable& v : stage.variables)
-      if (std::find(plan.keys.begin(), plan.keys.end(), v.key) == plan.keys.end()) plan.keys.push_back(v.key);
+  const auto need_key = [&](const std::string& key) {
+    if (std::find(plan.keys.begin(), plan.keys.end(), key) == plan.keys.end()) plan.keys.push_back(key);
+  };
+  for (std::size_t s = 0; s < study.stages.size(); ++s) {
+    const StageConfig& stage = study.stages[s];
+    for (const StageVariable& v : is_search(stage) ? search_ranges(study, s) : stage.variables) need_key(v.key);
+  }
+  for (const StageConfig& stage : study.stages) {
+    if (stage.type == "adaptive" || stage.type == "replicate") need_key(replicate_key);
+    if (stage.type == "replicate" && !std::isnan(stage.turns)) need_key(turns_key);
+  }
   for (const std::string& key : plan.keys) {
     const auto same = [&](const std::string& other) { return last_part(other) == last_part(key); };
     const bool ambiguous = std::count_if(plan.keys.begin(), plan.keys.end(), same) > 1;
     plan.columns.push_back(ambiguous ? key : last_part(key));
   }
 
-  std::map<std::string, std::string> text_of_id;
-  for (const StageConfig& stage : study.stages) {
-    StageSummary summary{stage.name, 0, 0, 0};
-    std::vector<PlannedDesign> fresh;
-    for (Design& node : nodes_of_stage(stage)) {
-      ++summary.nodes;
-      std::sort(node.begin(), node.end());
-      PlannedDesign design{design_id(node), stage.name, node, {}, {}};
-      const std::string text = canonical_text(node);
-      const auto [found, is_new] = text_of_id.try_emplace(design.id, text);
-      if (found->second != text)
-        throw InputError(fmt::format("stage \"{}\": designs {} and {} have the same id {}; shift a value by 1e-9",
-                                     stage.name, found->second, text, design.id));
-      if (!is_new) {
-        ++summary.shared;
-        continue;
-      }
-      complete(study, plan.keys, design);
-      if (!design.impossible.empty()) ++summary.impossible;
-      fresh.push_back(std::move(design));
-    }
-    std::stable_sort(fresh.begin(), fresh.end(),
-                     [](const PlannedDesign& a, const PlannedDesign& b) { return row_before(a.row, b.row); });
-    for (PlannedDesign& design : fresh) plan.designs.push_back(std::move(design));
-    plan.stages.push_back(summary);
+  for (const StageConfig& stage : study.stages)
+    plan.stages.push_back({stage.name, stage.type, 0, 0, 0, !is_search(stage), {}, {}});
+  for (std::size_t s = 0; s < study.stages.size(); ++s) {
+    if (is_search(study.stages[s])) continue;
+    for (Design& node : nodes_of_stage(study.stages[s])) add_design(plan, study, s, std::move(node));
   }
   return plan;
+}
+
+std::vector<std::size_t> table_order(const Plan& plan) {
+  std::vector<std::size_t> order(plan.designs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    const PlannedDesign &a = plan.designs[i], &b = plan.designs[j];
+    return a.stage_number != b.stage_number ? a.stage_number < b.stage_number : row_before(a.row, b.row);
+  });
+  return order;
 }
 
 std::string describe(const Plan& plan, const PlannedDesign& design) {

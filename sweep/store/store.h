@@ -5,6 +5,7 @@
 ///   designs/ID.h5     recording of one design, sealed, written once by the rank that simulated it
 ///   designs/ID.failed why a design cannot be simulated; delete it to have it tried again
 ///   results.csv       rebuilt from all of the above, never read back by a run
+///   findings.toml     what searches have decided, the optimum and its error; rebuilt like the table
 ///   provenance.csv    see provenance.h
 ///   run.log, lock     messages; see output_lock.h
 ///   *.damaged         set aside because a checksum did not match
@@ -31,6 +32,7 @@ struct OutputPaths {
   std::string study() const { return folder + "/study.toml"; }
   std::string warm_state() const { return folder + "/warm_state.h5"; }
   std::string results() const { return folder + "/results.csv"; }
+  std::string findings() const { return folder + "/findings.toml"; }
   std::string provenance() const { return folder + "/provenance.csv"; }
   std::string log() const { return folder + "/run.log"; }
   std::string lock() const { return folder + "/lock"; }

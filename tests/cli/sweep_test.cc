@@ -212,6 +212,73 @@ variables = [ { key = "outlet.opening_angle_deg", values = [2, 3] }, { key = "ou
   EXPECT_EQ(started, 5u);
 }
 
+/// Grid of 9, then every kind of search.
+std::string searching_study() {
+  return tiny_study(2, 3, R"([[stage]]
+name = "learn"
+type = "adaptive"
+budget = 4
+batch = 2
+[[stage]]
+name = "search"
+type = "refine"
+[[stage]]
+name = "confirm"
+type = "replicate"
+replicates = 3
+[refine]
+only_if_smooth = false
+starts = 2
+max_evaluations = 4
+)");
+}
+
+TEST(Sweep, searches_give_the_same_table_and_findings_for_any_ranks_and_interruptions) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", searching_study());
+  const Finished alone = drumsweep(folder, {"run", "study.toml", "-o", "alone"});
+  ASSERT_EQ(alone.code, 0) << alone.err;
+  EXPECT_NE(alone.out.find("optimum of the fit"), std::string::npos) << alone.out;
+  EXPECT_NE(alone.out.find("confirmed by 3 fresh runs"), std::string::npos) << alone.out;
+  const std::size_t designs = count_files(folder / "alone/designs", ".h5");
+  EXPECT_GT(designs, 9u + 4u + 2u + 3u - 1u);
+  const std::string findings = file_text(folder / "alone/findings.toml");
+
+  run_with_ranks(folder, 3, "ranks3");
+  expect_same(results_of(folder / "alone"), results_of(folder / "ranks3"));
+  EXPECT_EQ(findings, file_text(folder / "ranks3/findings.toml"));
+
+  // Killed in every search.
+  for (const std::size_t stop_at : {11u, 14u, 18u}) {
+    Program program(folder, under_mpirun(2, {"run", "study.toml", "-o", "killed"}));
+    wait_until([&] { return count_files(folder / "killed/designs", ".h5") >= stop_at || !program.running(); });
+    program.kill_all();
+  }
+  const Json status = JsonReader::parse(drumsweep(folder, {"status", "killed", "--json"}).out);
+  EXPECT_EQ(status["finished"].number, 0);
+  run_with_ranks(folder, 2, "killed");
+  expect_same(results_of(folder / "alone"), results_of(folder / "killed"));
+  EXPECT_EQ(findings, file_text(folder / "killed/findings.toml"));
+  const Json finished = JsonReader::parse(drumsweep(folder, {"status", "killed", "--json"}).out);
+  EXPECT_EQ(finished["finished"].number, 1);
+  EXPECT_EQ(finished["designs"].number, static_cast<double>(designs));
+}
+
+TEST(Sweep, points_come_from_a_csv_file_beside_the_study) {
+  const TestFolder folder;
+  std::filesystem::create_directory(folder / "study");
+  write_text(folder / "study/study.toml",
+             tiny_study(2, 2, "[[stage]]\nname = \"own\"\ntype = \"points\"\nfile = \"mine.csv\"\n"));
+  write_text(folder / "study/mine.csv", "# my designs\nopening_angle_deg, base_width_m\n2, 0.025\n1.5,0.021\n");
+  const Finished run = drumsweep(folder, {"run", "study/study.toml", "-o", "out"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(count_files(folder / "out/designs", ".h5"), 6u);
+  write_text(folder / "study/mine.csv", "opening_angle_deg,base_width_m\n2,0.025\n1.5,wide\n");
+  const Finished bad = drumsweep(folder, {"run", "study/study.toml", "-o", "out"});
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_NE(bad.err.find("mine.csv:3: outlet.base_width_m = \"wide\" is not a number"), std::string::npos) << bad.err;
+}
+
 TEST(Sweep, impossible_designs_are_holes_and_give_exit_4) {
   const TestFolder folder;
   // Slots of 0.03 m + 2 * 0.15 m * tan(35 deg) = 0.24 m overlap on a pitch of 0.209 m.

@@ -37,13 +37,13 @@ variables = [ { key = "outlet.base_width_m", from = 0.03, to = 1, count = 2 } ]
 };
 
 TEST_F(DesignRunTest, done_means_that_the_recording_is_there) {
-  const DesignOutcome outcome = simulate_and_store(paths, study, DrumState{}, plan, 0, "here", {});
+  const DesignOutcome outcome = simulate_and_store(paths, study, DrumState{}, plan.designs[0], 0, "here", {});
   EXPECT_EQ(outcome.kind, DesignOutcome::Kind::done);
   EXPECT_TRUE(read_design(paths, study, plan.designs[0]).recording.has_value());
 }
 
 TEST_F(DesignRunTest, an_exception_of_the_engine_is_the_designs_failure_and_stays) {
-  const DesignOutcome outcome = simulate_and_store(paths, study, DrumState{}, plan, 1, "here", {});
+  const DesignOutcome outcome = simulate_and_store(paths, study, DrumState{}, plan.designs[1], 1, "here", {});
   EXPECT_EQ(outcome.kind, DesignOutcome::Kind::failed);
   EXPECT_NE(outcome.reason.find("overlap"), std::string::npos);
   EXPECT_NE(read_design(paths, study, plan.designs[1]).failure.value().find("overlap"), std::string::npos);
@@ -51,15 +51,15 @@ TEST_F(DesignRunTest, an_exception_of_the_engine_is_the_designs_failure_and_stay
 
 TEST_F(DesignRunTest, a_stopped_design_leaves_nothing) {
   const DesignOutcome outcome =
-      simulate_and_store(paths, study, DrumState{}, plan, 0, "here", [](const Progress&) { return false; });
+      simulate_and_store(paths, study, DrumState{}, plan.designs[0], 0, "here", [](const Progress&) { return false; });
   EXPECT_EQ(outcome.kind, DesignOutcome::Kind::stopped);
   EXPECT_TRUE(std::filesystem::is_empty(paths.designs()));
 }
 
 TEST_F(DesignRunTest, a_result_that_cannot_be_written_is_the_machines_fault_not_the_designs) {
   paths.folder += "/nowhere";
-  EXPECT_THROW(simulate_and_store(paths, study, DrumState{}, plan, 0, "here", {}), WriteError);
-  EXPECT_THROW(simulate_and_store(paths, study, DrumState{}, plan, 1, "here", {}), WriteError);
+  EXPECT_THROW(simulate_and_store(paths, study, DrumState{}, plan.designs[0], 0, "here", {}), WriteError);
+  EXPECT_THROW(simulate_and_store(paths, study, DrumState{}, plan.designs[1], 1, "here", {}), WriteError);
 }
 
 TEST_F(DesignRunTest, outcomes_travel_as_text) {
