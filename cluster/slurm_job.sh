@@ -1,5 +1,5 @@
 #!/bin/bash@shell_options@
-# Runs the study @title@ until it is finished, over as many time limits and lost nodes as that takes.
+# Runs the study "@title@" until it is finished, over as many time limits and lost nodes as that takes.
 # Printed by `drumsweep slurm`; submit it with `sbatch`. Submitted again, at any time, it goes on where the study stands.
 #
 #SBATCH --job-name=@job_name@
@@ -39,7 +39,7 @@ fi
 # USR2 asks drumsweep to stop within a time step. A shell that gets a signal leaves `wait`, so it waits again.
 job='' signalled='' cancelled=''
 trap 'signalled=1; say "the time limit is near, stopping"; [ -z "$job" ] || kill -USR2 "$job"' USR2
-trap 'signalled=1; cancelled=1; say "cancelled"' TERM
+trap 'signalled=1; cancelled=1; say "Slurm ends the job"' TERM
 "${launch[@]}" "$program" run "$study" -o "$out" --threads @threads@ &
 job=$!
 wait "$job"
@@ -50,6 +50,13 @@ while [ -n "$signalled" ]; do
   code=$?
 done
 
+case $code in
+  2 | 5 | 6)
+    say "exit code $code: starting again would not help, see above"
+    exit "$code"
+    ;;
+esac
+
 if finished; then
   # 0: done, 4: done, some designs have failed. After anything else the table may lack its last rows, a matter of seconds.
   if [ "$code" -ne 0 ] && [ "$code" -ne 4 ]; then
@@ -59,15 +66,8 @@ if finished; then
   say "finished, exit code $code"
   exit "$code"
 fi
-
-case $code in
-  2 | 5 | 6)
-    say "exit code $code: starting again would not help, see above"
-    exit "$code"
-    ;;
-esac
 if [ -n "$cancelled" ]; then
-  say "cancelled; submit this script again to go on"
+  say "not finished; submit this script again to go on"
   exit 3
 fi
 if [ "$restarts" -ge "$max_requeues" ]; then

@@ -35,7 +35,7 @@ std::string sbatch_quoted(const std::string& path) {
 const std::string& plain_word(const std::string& option, const std::string& value) {
   static const std::regex pattern("[A-Za-z0-9._,:/+@=-]+");
   if (!std::regex_match(value, pattern))
-    throw InputError(fmt::format("{} \"{}\": accepted are letters, digits and . _ , : / + @ = -", option, value));
+    throw InputError(fmt::format("--{} {}: accepted are letters, digits and . _ , : / + @ = -", option, value));
   return value;
 }
 
@@ -80,7 +80,7 @@ std::int64_t slurm_time_s(const std::string& text) {
     seconds = value(1) * 60 + value(2);
   if (seconds < 1 || seconds > 366 * 86400LL)
     throw InputError(
-        fmt::format("time \"{}\": accepted are 1 second to 366 days, written as Slurm does: minutes, "
+        fmt::format("--time {}: accepted are 1 second to 366 days, written as Slurm does: minutes, "
                     "minutes:seconds, hours:minutes:seconds, days-hours, days-hours:minutes or "
                     "days-hours:minutes:seconds",
                     text));
@@ -92,8 +92,8 @@ std::string job_log(const JobOptions& options) { return options.output + ".log";
 std::string job_script(const JobOptions& o) {
   const std::int64_t limit_s = slurm_time_s(o.time);
   if (o.signal_before_s >= limit_s)
-    throw InputError(fmt::format("signal {} s before the time limit of {} s: accepted is 10 to {}", o.signal_before_s,
-                                 limit_s, limit_s - 1));
+    throw InputError(fmt::format("--signal-before {} with a time limit of {} s: accepted is 10 to {}",
+                                 o.signal_before_s, limit_s, limit_s - 1));
   for (const std::string& path : {o.program, o.study_path, o.output}) expect_one_line(path);
 
   std::string title = o.title, site, modules;

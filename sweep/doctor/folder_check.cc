@@ -30,7 +30,8 @@ std::string existing_part(const std::string& folder) {
   fs::path path = fs::absolute(folder).lexically_normal();
   std::error_code error;
   while (!fs::is_directory(path, error) && path.has_relative_path()) path = path.parent_path();
-  return path.string();
+  const std::string text = path.string();
+  return text.size() > 1 && text.ends_with('/') ? text.substr(0, text.size() - 1) : text;
 }
 
 /// Names of statfs(2), the ones that clusters and laptops have.

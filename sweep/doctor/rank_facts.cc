@@ -100,8 +100,7 @@ Finding judge_binding(const std::map<std::string, Host>& hosts, int threads) {
               "ask for more CPUs (--ntasks-per-node, --cpus-per-task)"};
     if (wanted > host.cpus.size())
       return {Level::warning, "binding", found,
-              fmt::format("no faster than {} rank{}: start fewer, one a core", host.cpus.size(),
-                          host.cpus.size() == 1 ? "" : "s")};
+              "more threads than CPUs wait for each other: start fewer ranks (one a core), or fewer threads"};
     if (few_each)
       return {Level::warning, "binding",
               fmt::format("{}: a rank may run on fewer CPUs than its {} threads need", name, threads),
