@@ -26,7 +26,8 @@ void slurm(JobOptions options) {
       std::count_if(plan.designs.begin(), plan.designs.end(), [](const auto& d) { return d.impossible.empty(); });
 
   options.title = study.name;
-  options.program = fs::read_symlink("/proc/self/exe").string();
+  options.program = options.program.empty() ? fs::read_symlink("/proc/self/exe").string()
+                                            : fs::absolute(options.program).lexically_normal().string();
   if (options.output.empty()) options.output = fs::path(options.study_path).stem().string() + "_result";
   options.study_path = fs::absolute(options.study_path).lexically_normal().string();
   options.output = fs::absolute(options.output).lexically_normal().string();
@@ -66,6 +67,8 @@ void add_slurm(CLI::App& app, int&) {
   command->add_option("--launcher", options->launcher, "mpirun (of the Open MPI it was built with) or srun (with PMIx)")
       ->capture_default_str()
       ->check(CLI::IsMember({"mpirun", "srun"}));
+  command->add_option("--program", options->program,
+                      "what the job runs, e.g. a script around a container [default: this program]");
   command->add_option("-p,--partition", options->partition, "partition");
   command->add_option("-A,--account", options->account, "account");
   command->add_option("--module", options->modules, "module to load in the job; may be given several times");
