@@ -53,6 +53,8 @@ int main(int argc, char** argv) {
   add_bench(app, exit_code);
   add_picture(app, exit_code);
   add_verify(app, exit_code);
+  add_slurm(app, exit_code);
+  add_doctor(app, exit_code);
 
   try {
     app.parse(argc, argv);

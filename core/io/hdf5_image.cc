@@ -106,6 +106,12 @@ struct Hdf5Writer::Impl {
              H5Fclose, "file image") {}
 };
 
+std::string hdf5_version() {
+  unsigned major = 0, minor = 0, release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
 Hdf5Writer::Hdf5Writer() : impl_(std::make_unique<Impl>()) {}
 Hdf5Writer::~Hdf5Writer() = default;
 

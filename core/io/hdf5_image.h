@@ -20,6 +20,9 @@ struct StoreError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of the library that is loaded: "1.10.8".
+std::string hdf5_version();
+
 class Hdf5Writer {
  public:
   Hdf5Writer();

@@ -157,4 +157,13 @@ void Farm::broadcast(std::string& bytes) {
   }
 }
 
+std::string mpi_library() {
+  std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
+  int length = 0;
+  check(MPI_Get_library_version(text.data(), &length), "MPI_Get_library_version");
+  // "Open MPI v4.1.4, package: ..., ident: ..."
+  const std::string whole = text.data();
+  return whole.substr(0, whole.find_first_of(",\n"));
+}
+
 }  // namespace drumsweep

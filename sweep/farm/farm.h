@@ -9,6 +9,7 @@
 ///   broken  r -> 0        cause                      this rank cannot go on (full disk ...): stop all, exit 3
 ///   stop    0 -> r        -                          stop within a step, then say bye
 ///   bye     r -> 0        -                          nothing more will come from r
+///   check   both          see doctor.cc              `drumsweep doctor`, no sweep
 ///
 /// Order between two ranks is kept. Nobody blocks in a receive and nobody spins: whoever waits polls and sleeps 1 ms,
 /// as rank 0 shares its core with its own simulation (a blocking wait of Open MPI takes a whole core: measured, 2.1
@@ -22,7 +23,7 @@
 
 namespace drumsweep {
 
-enum class Tag { study = 1, warm, design, done, broken, stop, bye };
+enum class Tag { study = 1, warm, design, done, broken, stop, bye, check };
 
 struct Message {
   int from;
@@ -63,5 +64,8 @@ class Farm {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Name and version of the MPI library.
+std::string mpi_library();
 
 }  // namespace drumsweep
