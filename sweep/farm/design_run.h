@@ -16,12 +16,22 @@ struct DesignOutcome {
   Kind kind = Kind::done;
   double wall_s = 0, cpu_s = 0;
   std::string host, reason;
+  std::string note;  ///< what people should know: a checkpoint that was used, or could not be
 };
 
-/// Simulates the design and writes its recording (or its failure) durably before it returns.
-/// An exception out of the engine is this design's failure. @throws WriteError, std::bad_alloc: the machine's fault
+/// How a rank simulates a design.
+struct RunHow {
+  int threads = 1;
+  int attempt = 1;  ///< how often the design has been begun, this time included
+  double checkpoint_interval_s = 10;
+};
+
+/// Simulates the design, from its checkpoint where there is one, and writes its recording (or its failure) durably before
+/// it returns; a stop leaves a checkpoint. An exception out of the engine is this design's failure.
+/// @throws WriteError, std::bad_alloc: the machine's fault
 DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, const DrumState& warm, const Plan& plan,
-                                 std::size_t index, const std::string& host, const Observer& observer, int threads = 1);
+                                 std::size_t index, const std::string& host, const Observer& observer,
+                                 const RunHow& how = {});
 
 /// As text for a message, and back.
 std::string pack_outcome(const DesignOutcome& outcome);

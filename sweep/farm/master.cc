@@ -7,13 +7,18 @@
 #include <exception>
 #include <filesystem>
 #include <type_traits>
+#include <utility>
 
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "core/parallel/parallel_for.h"
 #include "core/scene/cpu_clock.h"
+#include "postproc/objective.h"
+#include "sweep/farm/casualties.h"
+#include "sweep/farm/checkpoint.h"
 #include "sweep/farm/design_run.h"
+#include "sweep/farm/roll_call.h"
 #include "sweep/progress.h"
 #include "sweep/stop.h"
 #include "sweep/store/provenance.h"
@@ -34,14 +39,32 @@ constexpr double patience_s = 10.0;
 constexpr double visibility_s = 30.0;
 /// The table in the folder is at most this old while designs come in.
 constexpr double table_interval_s = 10.0;
+/// Above this many ranks rank 0 only serves, unless told otherwise.
+constexpr int most_ranks_of_a_working_master = 32;
+/// Messages that share one durable write of provenance.csv.
+constexpr int largest_batch = 256;
+
+/// Of --stop-before, kept for the last checkpoints, the table and the goodbyes [s].
+double reserve_s(double stop_before_s) { return std::clamp(0.01 * stop_before_s, 1.0, 60.0); }
 
 class Master {
  public:
-  Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder, int threads)
-      : farm_(farm), study_(study), plan_(plan), threads_(threads), store_(folder, study), rows_(plan.designs.size()) {
+  Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder, const SweepOptions& options)
+      : farm_(farm),
+        study_(study),
+        plan_(plan),
+        options_(options),
+        store_(folder, study),
+        rows_(plan.designs.size()),
+        roll_(farm.size(), options.silence_s, farm.host()) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
+    casualties_.emplace(store_.paths(), study_, *provenance_);
     busy_.resize(static_cast<std::size_t>(farm.size()));
+    dedicated_ = farm.size() > 1 && options.dedicated_master.value_or(farm.size() > most_ranks_of_a_working_master);
+    if (options.stop_before_s)
+      stop_at_ = options.begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+                                     *options.stop_before_s - reserve_s(*options.stop_before_s)));
   }
 
   SweepOutcome run() {
@@ -50,14 +73,16 @@ class Master {
                                store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
     try {
+      settle_the_past();
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
       if (!stopping()) take_stock();
       write_table();
       if (!stopping() && !pending_.empty()) {
-        farm_.send_all(Tag::warm, std::to_string(warm_bytes.size()));
+        // A broadcast would wait for the dead.
+        farm_.send_all(Tag::warm, std::to_string(options_.survive ? 0 : warm_bytes.size()));
         std::string bytes = warm_bytes;
-        farm_.broadcast(bytes);
+        if (!options_.survive) farm_.broadcast(bytes);
         hand_out();
       }
     } catch (const WriteError& error) {
@@ -97,22 +122,32 @@ class Master {
   }
 
   bool fill_drum(const std::string& path, WarmState& warm) {
-    reporter_.info(warm.windows.empty() ? "warm-up: filling the empty drum"
-                                        : fmt::format("warm-up: going on at turn {}", warm.windows.back().turns_end));
+    const double turns =
+        static_cast<double>(warm.state.num_steps) * study_.solver.outer_step_s / duration_of_turns(1, study_.drum);
+    reporter_.info(turns == 0 ? "warm-up: filling the empty drum"
+                              : fmt::format("warm-up: going on at turn {:.4g}", turns));
     const auto begin = Clock::now();
     const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
-    const auto save = [&](const WarmState& w) {
-      write_durably(path, pack_warm_state(study_, w));
+    const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study_, w)); };
+    const auto end_window = [&](const WarmState& w) {
+      save(w);
       const WarmupWindow& last = w.windows.back();
       reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
                                  last.turns_end, last.fed, last.left, last.inside));
     };
     // The other ranks wait: where this one is not bound to a core, theirs are free.
-    const int threads = std::max(threads_, std::min(available_threads(), farm_.size()));
-    const bool ended =
-        observed([&](const Observer& observer) { return warm_up(study_, warm, observer, save, threads); });
-    // A cap of no turns at all ends without a window and so without having been saved.
-    if (ended && warm.windows.empty()) write_durably(path, pack_warm_state(study_, warm));
+    const int threads = std::max(options_.threads, std::min(available_threads(), farm_.size()));
+    int requests = num_checkpoint_requests();
+    const bool ended = observed([&](const Observer& observer) {
+      const Observer between_steps = [&](const Progress& at) {
+        if (requests != num_checkpoint_requests()) save(warm);
+        requests = num_checkpoint_requests();
+        return observer(at);
+      };
+      return warm_up(study_, warm, between_steps, end_window, threads);
+    });
+    // Stopped inside a window; or a cap of no turns at all, which ends without any.
+    if (!ended || warm.windows.empty()) save(warm);
     provenance_->add({"warm_up", "", 1, 0, farm_.host(), seconds_since(begin),
                       cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin, "", ""});
     if (ended && warm.steady)
@@ -128,7 +163,8 @@ class Master {
       const PlannedDesign& design = plan_.designs[i];
       if (!design.impossible.empty()) {
         rows_[i] = failed_row(design, design.impossible);
-      } else if (!load_row(i)) {
+        ++num_rows_;
+      } else if (!load_row(i) && !in_quarantine(i)) {
         pending_.push_back(i);
       } else if (rows_[i]->state == "failed" && has_failure(store_.paths(), design.id)) {
         reporter_.info(fmt::format("design {} has failed before ({}); to have it tried again delete {}", design.id,
@@ -136,8 +172,9 @@ class Master {
       }
       poll_ranks();
     }
+    put_suspects_last();
     stocked_ = !stopping();
-    if (const std::size_t stored = num_rows(); stored > 0)
+    if (const std::size_t stored = num_rows_; stored > 0)
       reporter_.info(fmt::format("{} of {} designs are there already", stored, plan_.designs.size()));
   }
 
@@ -148,6 +185,7 @@ class Master {
       const StoredDesign stored = read_design(store_.paths(), study_, design);
       if (stored.recording) rows_[i] = evaluated_row(study_, design, *stored.recording, steady_);
       if (stored.failure) rows_[i] = failed_row(design, *stored.failure);
+      num_rows_ += rows_[i] ? 1 : 0;
     } catch (const StoreError& error) {
       const bool recording = has_recording(store_.paths(), design.id);
       reporter_.warn(
@@ -156,41 +194,111 @@ class Master {
     return rows_[i].has_value();
   }
 
+  // --- designs that die with their process
+
+  void settle_the_past() {
+    for (const std::string& note : casualties_->settle_last_run()) reporter_.warn(note);
+    for (const std::string& note : casualties_->retry(options_.retry_failed, options_.retry_lost)) reporter_.info(note);
+    remove_stale_checkpoints(store_.paths());
+  }
+
+  /// Whether this design has killed its process too often; it has its row then.
+  bool in_quarantine(std::size_t i) {
+    const std::optional<std::string> reason = casualties_->judge(plan_.designs[i]);
+    if (!reason) return false;
+    reporter_.warn(fmt::format("design {} is {}; its input: {}/{}.toml", plan_.designs[i].id, *reason,
+                               store_.paths().quarantine(), plan_.designs[i].id));
+    return load_row(i);
+  }
+
+  /// So that all others are done before one of them can end the job again.
+  void put_suspects_last() {
+    std::stable_sort(pending_.begin(), pending_.end(), [&](std::size_t a, std::size_t b) {
+      return casualties_->suspicion(plan_.designs[a]) < casualties_->suspicion(plan_.designs[b]);
+    });
+  }
+
+  /// With --survive: ranks that are no more there.
+  void call_the_roll() {
+    if (!options_.survive) return;
+    if (roll_.due())
+      for (int rank = 1; rank < farm_.size(); ++rank)
+        if (roll_.listed(rank)) farm_.send(rank, Tag::alive, roll_.here());
+    for (int rank = 1; rank < farm_.size(); ++rank)
+      if (roll_.missing(rank)) lose(rank);
+  }
+
+  /// A rank has died: its design goes to another one.
+  void lose(int rank) {
+    roll_.strike(rank);
+    ++num_gone_;
+    ++num_dead_;
+    std::optional<std::size_t>& at = busy_[static_cast<std::size_t>(rank)];
+    if (!at) return reporter_.warn(fmt::format("rank {} is gone", rank));
+    const std::size_t index = *at;
+    at.reset();
+    --num_busy_;
+    flush();
+    reporter_.warn(casualties_->bury(plan_.designs[index], rank));
+    if (has_recording(store_.paths(), plan_.designs[index].id) && load_row(index)) return;
+    if (in_quarantine(index)) return;
+    pending_.push_back(index);
+    for (int idle = 1; idle < farm_.size(); ++idle)
+      if (roll_.listed(idle) && !busy_[static_cast<std::size_t>(idle)]) give(idle);
+    flush();
+  }
+
   // --- handing out
 
   void hand_out() {
-    for (int rank = 1; rank < farm_.size(); ++rank) give(rank);
-    while (!stopping() && (!pending_.empty() || num_busy() > 0)) {
-      if (!pending_.empty()) {
+    for (int rank = 1; rank < farm_.size(); ++rank)
+      if (roll_.listed(rank)) give(rank);
+    flush();
+    while (!stopping() && (!pending_.empty() || num_busy_ > 0)) {
+      if (!pending_.empty() && !dedicated_) {
         simulate_one();
       } else {
+        if (!pending_.empty() && num_dead_ == farm_.size() - 1) return stop("all other ranks have died");
         poll_ranks();
         reporter_.update_waiting(counts());
         tell_status("waiting for other ranks");
-        Farm::nap();
+        farm_.rest();
       }
     }
   }
 
-  /// Gives the next design to a rank; the line in provenance.csv is durable before the rank hears of it.
+  /// Gives the next design to a rank, which hears of it in flush().
   std::optional<std::size_t> give(int rank) {
     if (pending_.empty() || stopping()) return std::nullopt;
     const std::size_t index = pending_.front();
     const std::string& id = plan_.designs[index].id;
-    provenance_->add({"started", id, provenance_->attempts(id) + 1, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
+    const int attempt = provenance_->attempts(id) + 1;
+    lines_.push_back({"started", id, attempt, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
     pending_.pop_front();
     busy_[static_cast<std::size_t>(rank)] = index;
-    if (rank != 0) farm_.send(rank, Tag::design, std::to_string(index));
+    ++num_busy_;
+    if (rank != 0) orders_.emplace_back(rank, fmt::format("{} {}", index, attempt));
     return index;
+  }
+
+  /// Makes the lines of all that has happened durable, with one write; only then the ranks hear what to do next.
+  void flush() {
+    // Taken before the write: an order whose line did not become durable must never go out.
+    const auto orders = std::exchange(orders_, {});
+    if (!lines_.empty()) provenance_->add(std::exchange(lines_, {}));
+    for (const auto& [rank, order] : orders) farm_.send(rank, Tag::design, order);
   }
 
   void simulate_one() {
     const std::optional<std::size_t> index = give(0);
     if (!index) return;
+    flush();
+    const RunHow how{options_.threads, provenance_->attempts(plan_.designs[*index].id), options_.checkpoint_interval_s};
     const DesignOutcome outcome = observed([&](const Observer& observer) {
-      return simulate_and_store(store_.paths(), study_, warm_, plan_, *index, farm_.host(), observer, threads_);
+      return simulate_and_store(store_.paths(), study_, warm_, plan_, *index, farm_.host(), observer, how);
     });
     accept(0, outcome);
+    flush();
   }
 
   /// Runs something under the observer that serves the other ranks. What goes wrong in serving must not look like a
@@ -216,35 +324,62 @@ class Master {
   }
 
   void poll_ranks() {
-    while (const std::optional<Message> message = farm_.poll()) {
-      switch (message->tag) {
-        case Tag::done:
-          accept(message->from, unpack_outcome(message->body));
-          give(message->from);
-          break;
-        case Tag::broken:
-          stop(message->body);
-          note_stopped(message->from);
-          break;
-        case Tag::bye:
-          ++num_gone_;
-          break;
-        default:
-          break;
-      }
+    for (int i = 0; i < largest_batch; ++i) {
+      const std::optional<Message> message = farm_.poll();
+      if (!message) break;
+      serve(*message);
     }
+    flush();
+    call_the_roll();
     if (farm_.orphaned()) stop("mpirun has died");
     if (stop_requested()) stop(stop_signal());
+    if (stop_at_ && Clock::now() > *stop_at_)
+      stop(fmt::format("--stop-before {}", clock_text(*options_.stop_before_s)));
+    if (checkpoints_passed_on_ != num_checkpoint_requests()) {
+      checkpoints_passed_on_ = num_checkpoint_requests();
+      reporter_.info("checkpoint asked for by SIGUSR1");
+      farm_.send_all(Tag::checkpoint, "");
+    }
+  }
+
+  void serve(const Message& message) {
+    if (!roll_.listed(message.from)) {
+      // Taken for dead, and yet it speaks: its design is somebody else's now.
+      if (num_dead_ > 0 && message.tag != Tag::bye) farm_.send(message.from, Tag::stop, "");
+      return;
+    }
+    roll_.heard(message.from);
+    switch (message.tag) {
+      case Tag::done:
+        accept(message.from, unpack_outcome(message.body));
+        give(message.from);
+        break;
+      case Tag::broken:
+        stop(message.body);
+        note_stopped(message.from);
+        break;
+      case Tag::bye:
+        roll_.strike(message.from);
+        ++num_gone_;
+        break;
+      case Tag::alive:
+        roll_.heard(message.from, message.body);
+        break;
+      default:
+        break;
+    }
   }
 
   /// A rank has ended its design.
   void accept(int rank, const DesignOutcome& outcome) {
     const PlannedDesign& design = plan_.designs.at(outcome.index);
     busy_[static_cast<std::size_t>(rank)].reset();
+    --num_busy_;
     const bool stopped = outcome.kind == DesignOutcome::Kind::stopped;
     const char* event = stopped ? "stopped" : outcome.kind == DesignOutcome::Kind::failed ? "failed" : "done";
-    provenance_->add({event, design.id, std::max(1, provenance_->attempts(design.id)), rank, outcome.host,
+    lines_.push_back({event, design.id, std::max(1, provenance_->attempts(design.id)), rank, outcome.host,
                       outcome.wall_s, outcome.cpu_s, "", ""});
+    if (!outcome.note.empty()) reporter_.info(fmt::format("design {}: {}", design.id, outcome.note));
     if (stopped) {
       pending_.push_front(outcome.index);
       stop(fmt::format("rank {} was asked to stop", rank));
@@ -267,7 +402,7 @@ class Master {
     const ResultRow& row = *rows_[outcome.index];
     const std::string result =
         row.state == "failed" ? "FAILED: " + row.reason : fmt::format("f = {:.4g} +- {:.2g} m", row.f_m, row.sigma_f_m);
-    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", num_rows(), plan_.designs.size(),
+    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", num_rows_, plan_.designs.size(),
                                design.id, drumsweep::describe(plan_, design),
                                row.state == "untrusted" ? "untrusted, " : "", result, outcome.wall_s, rank));
     if (row.lost_balls > 0) reporter_.warn(fmt::format("design {}: {} balls were lost", design.id, row.lost_balls));
@@ -291,8 +426,10 @@ class Master {
     if (!index) return;
     const std::string& id = plan_.designs[*index].id;
     index.reset();
+    --num_busy_;
     try {
-      provenance_->add({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
+      lines_.push_back({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
+      flush();
     } catch (const WriteError&) {
     }
   }
@@ -314,29 +451,41 @@ class Master {
     attempt([&] { write_table(); });
     dismiss();
     const auto begin = Clock::now();
-    const std::size_t rows_before = num_rows();
+    const std::size_t rows_before = num_rows_;
     while (num_gone_ < farm_.size() - 1 && seconds_since(begin) < patience_s) {
       attempt([&] { poll_ranks(); });
       Farm::nap();
     }
-    if (num_rows() != rows_before) attempt([&] { write_table(); });
-    if (num_gone_ == farm_.size() - 1)
+    if (num_rows_ != rows_before) attempt([&] { write_table(); });
+    if (options_.survive) say_end();
+    if (num_dead_ == 0 && num_gone_ == farm_.size() - 1)
       farm_.close();
-    else
+    else if (num_gone_ < farm_.size() - 1)
       reporter_.warn(fmt::format("{} ranks do not answer and are left to the launcher", farm_.size() - 1 - num_gone_));
 
     SweepOutcome outcome;
-    outcome.finished = num_rows() == plan_.designs.size();
+    outcome.finished = num_rows_ == plan_.designs.size();
     outcome.stop_cause = stop_cause_;
     outcome.output = store_.paths().folder;
     outcome.table = table();
     for (const ResultRow& row : outcome.table.rows) outcome.failed += row.state == "failed" ? 1 : 0;
     if (outcome.finished)
-      reporter_.info(fmt::format("finished: {} designs, {} failed", num_rows(), outcome.failed));
+      reporter_.info(fmt::format("finished: {} designs, {} failed", num_rows_, outcome.failed));
     else
       reporter_.info(fmt::format("stopped early: {}what is stored stays; run the same command again to go on",
-                                 stocked_ ? fmt::format("{} of {} designs are done; ", num_rows(), rows_.size()) : ""));
+                                 stocked_ ? fmt::format("{} of {} designs are done; ", num_rows_, rows_.size()) : ""));
     return outcome;
+  }
+
+  /// Only when nobody has died MPI can be ended, as that waits for all.
+  void say_end() {
+    const bool all = num_dead_ == 0 && num_gone_ == farm_.size() - 1;
+    for (int rank = 1; rank < farm_.size(); ++rank) farm_.send(rank, Tag::end, all ? "1" : "0");
+    // Out before we leave; what is for the dead stays.
+    for (int i = 0; i < 100; ++i) {
+      farm_.poll();
+      Farm::nap();
+    }
   }
 
   ResultTable table() const {
@@ -359,15 +508,7 @@ class Master {
 
   // --- numbers for people
 
-  std::size_t num_rows() const {
-    return static_cast<std::size_t>(
-        std::count_if(rows_.begin(), rows_.end(), [](const auto& row) { return row.has_value(); }));
-  }
-  std::size_t num_busy() const {
-    return static_cast<std::size_t>(
-        std::count_if(busy_.begin(), busy_.end(), [](const auto& b) { return b.has_value(); }));
-  }
-  SweepCounts counts() const { return {num_rows(), plan_.designs.size(), done_now_, num_busy()}; }
+  SweepCounts counts() const { return {num_rows_, plan_.designs.size(), done_now_, num_busy_}; }
 
   /// Once a second into the lock file, for `status`.
   void tell_status(const std::string& phase) {
@@ -382,17 +523,25 @@ class Master {
   Farm& farm_;
   const Study& study_;
   const Plan& plan_;
-  int threads_;
+  const SweepOptions& options_;
   Store store_;
   Reporter reporter_;
   std::optional<Provenance> provenance_;
+  std::optional<Casualties> casualties_;
   DrumState warm_;
   bool steady_ = false;
   std::vector<std::optional<ResultRow>> rows_;    ///< (num_designs) of the table
   std::deque<std::size_t> pending_;               ///< designs to simulate
   std::vector<std::optional<std::size_t>> busy_;  ///< (num_ranks) what each is at
-  std::size_t done_now_ = 0;
-  int num_gone_ = 0;  ///< ranks that said bye
+  std::size_t done_now_ = 0, num_rows_ = 0, num_busy_ = 0;
+  std::vector<ProvenanceLine> lines_;                ///< not yet durable ...
+  std::vector<std::pair<int, std::string>> orders_;  ///< ... and what ranks will hear when they are
+  RollCall roll_;
+  int num_gone_ = 0;  ///< ranks that said bye, or have died
+  int num_dead_ = 0;
+  bool dedicated_ = false;
+  int checkpoints_passed_on_ = num_checkpoint_requests();
+  std::optional<Clock::time_point> stop_at_;
   bool dismissed_ = false;
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
   std::string stop_cause_;
@@ -427,8 +576,7 @@ SweepOutcome run_sweep(Farm& farm, const SweepOptions& options) {
     const std::string folder =
         options.output.empty() ? std::filesystem::path(options.study_path).stem().string() + "_result" : options.output;
     // The other ranks may have another current folder.
-    return Master(farm, study, plan, std::filesystem::absolute(folder).lexically_normal().string(), options.threads)
-        .run();
+    return Master(farm, study, plan, std::filesystem::absolute(folder).lexically_normal().string(), options).run();
   } catch (...) {
     send_home(farm);
     throw;

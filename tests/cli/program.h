@@ -101,6 +101,7 @@ class Program {
     return code_ < 0;
   }
   void signal(int number) const { ::kill(pid_, number); }
+  pid_t pid() const { return pid_; }
 
   /// kill -9 of it and of its children (the ranks under mpirun), at once.
   void kill_all() {
