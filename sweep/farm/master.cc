@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <deque>
 #include <exception>
 #include <filesystem>
@@ -41,6 +42,8 @@ constexpr double visibility_s = 30.0;
 constexpr double table_interval_s = 10.0;
 /// Above this many ranks rank 0 only serves, unless told otherwise.
 constexpr int most_ranks_of_a_working_master = 32;
+/// Looking at all ranks costs microseconds each.
+constexpr double roll_interval_s = 0.2;
 /// Messages that share one durable write of provenance.csv.
 constexpr int largest_batch = 256;
 
@@ -72,6 +75,14 @@ class Master {
                                plan_.designs.size(), farm_.size(), farm_.size() == 1 ? "" : "s",
                                store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
+    if (options_.dedicated_master.value_or(false) && !dedicated_)
+      reporter_.warn("--dedicated-master: this rank is the only one, so it works too");
+    const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
+    if (options_.survive && farm_.size() > 1 && (recovery == nullptr || std::string(recovery) != "1"))
+      reporter_.warn(
+          "--survive: mpirun was started without --enable-recovery --mca orte_abort_on_non_zero_status 0, so it will "
+          "end "
+          "the job when a rank dies");
     try {
       settle_the_past();
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
@@ -220,7 +231,8 @@ class Master {
 
   /// With --survive: ranks that are no more there.
   void call_the_roll() {
-    if (!options_.survive) return;
+    if (!options_.survive || seconds_since(roll_called_) < roll_interval_s) return;
+    roll_called_ = Clock::now();
     if (roll_.due())
       for (int rank = 1; rank < farm_.size(); ++rank)
         if (roll_.listed(rank)) farm_.send(rank, Tag::alive, roll_.here());
@@ -545,7 +557,7 @@ class Master {
   bool dismissed_ = false;
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
   std::string stop_cause_;
-  Clock::time_point table_written_{}, told_{};
+  Clock::time_point table_written_{}, told_{}, roll_called_{};
 };
 
 /// Tells the others to leave when this rank cannot even begin, so that nobody waits for it.

@@ -11,7 +11,6 @@
 namespace drumsweep {
 namespace {
 
-constexpr double look_again_s = 0.2;
 constexpr double words_per_silence = 8, longest_pause_s = 5;
 
 }  // namespace
@@ -40,13 +39,11 @@ void RollCall::heard(int rank, const std::string& here) {
 
 void RollCall::strike(int rank) { ranks_[static_cast<std::size_t>(rank)].listed = false; }
 
-bool RollCall::missing(int rank) {
-  Entry& entry = ranks_[static_cast<std::size_t>(rank)];
-  const auto now = Clock::now();
-  if (!entry.listed || std::chrono::duration<double>(now - entry.looked).count() < look_again_s) return false;
-  entry.looked = now;
+bool RollCall::missing(int rank) const {
+  const Entry& entry = ranks_[static_cast<std::size_t>(rank)];
+  if (!entry.listed) return false;
   if (entry.process != 0 && ::kill(entry.process, 0) != 0 && errno == ESRCH) return true;
-  return std::chrono::duration<double>(now - entry.heard).count() > silence_s_;
+  return std::chrono::duration<double>(Clock::now() - entry.heard).count() > silence_s_;
 }
 
 }  // namespace drumsweep

@@ -25,13 +25,13 @@ class RollCall {
   /// He has left, or is known to be dead: not asked for any more.
   void strike(int rank);
   bool listed(int rank) const { return ranks_[static_cast<std::size_t>(rank)].listed; }
-  /// Looks at this rank (again after a fifth of a second at the earliest).
-  bool missing(int rank);
+  /// Whether it is listed and not there.
+  bool missing(int rank) const;
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Entry {
-    Clock::time_point heard = Clock::now(), looked{};
+    Clock::time_point heard = Clock::now();
     pid_t process = 0;  ///< on our host
     bool listed = true;
   };

@@ -51,15 +51,17 @@ std::vector<pid_t> ranks_of(pid_t mpirun) {
   return ranks;
 }
 
-/// A recording that is finished, or a design well under way.
-bool recording(const TestFolder& folder) {
-  return file_text(folder / "out/lock").find("recording") != std::string::npos;
-}
-
 std::size_t count_events(const std::string& out, const std::string& event) {
   const auto lines = read_provenance(out + "/provenance.csv");
   return static_cast<std::size_t>(
       std::count_if(lines.begin(), lines.end(), [&](const ProvenanceLine& l) { return l.event == event; }));
+}
+
+/// Two ranks are in the middle of designs.
+bool under_way(const TestFolder& folder) {
+  if (count_events(folder / "out", "started") < 2) return false;
+  sleep_ms(60);
+  return true;
 }
 
 /// Table and recordings are those of the reference.
@@ -76,7 +78,7 @@ void expect_same_results(const std::string& reference, const std::string& out) {
 
 TEST(Fault, a_design_that_crashes_its_process_twice_is_quarantined_with_its_input_and_all_others_complete) {
   const TestFolder folder;
-  write_text(folder / "study.toml", tiny_study(10, 2));
+  write_text(folder / "study.toml", tiny_study(4, 2));
   for (const char* fault : {"segv:1", "abort:1"}) {
     const std::string out = folder / fault;
     std::vector<int> codes;
@@ -143,11 +145,11 @@ TEST(Fault, a_result_that_is_not_a_number_or_an_exception_is_a_failed_row_and_re
 
 TEST(Fault, USR1_writes_checkpoints_and_goes_on_and_a_kill_after_it_loses_nothing_before_it) {
   const TestFolder folder;
-  write_text(folder / "study.toml", tiny_study(40, 2));
+  write_text(folder / "study.toml", tiny_study(20, 2));
   ASSERT_EQ(run_alone(folder, "reference").code, 0);
   {
     Program program(folder, under_mpirun(2, run_words("out")));
-    ASSERT_TRUE(wait_until([&] { return recording(folder); }));
+    ASSERT_TRUE(wait_until([&] { return under_way(folder); }));
     program.signal(SIGUSR1);
     ASSERT_TRUE(wait_until([&] { return count_files(folder / "out/designs", ".part") == 2; }));
     EXPECT_TRUE(program.running());
@@ -202,12 +204,12 @@ TEST(Fault, stop_before_ends_in_time_with_exit_3_and_is_checked) {
 
 TEST(Fault, kill_9_of_one_worker_or_of_rank_0_ends_the_job_and_the_next_run_continues) {
   const TestFolder folder;
-  write_text(folder / "study.toml", tiny_study(40, 2));
+  write_text(folder / "study.toml", tiny_study(20, 2));
   ASSERT_EQ(run_alone(folder, "reference").code, 0);
   for (const std::size_t victim : {1u, 0u}) {
     std::filesystem::remove_all(folder / "out");
-    Program program(folder, under_mpirun(3, run_words("out", {"--checkpoint", "0"})));
-    ASSERT_TRUE(wait_until([&] { return recording(folder); }));
+    Program program(folder, under_mpirun(3, run_words("out")));
+    ASSERT_TRUE(wait_until([&] { return under_way(folder); }));
     ASSERT_EQ(ranks_of(program.pid()).size(), 3u);
     ::kill(ranks_of(program.pid())[victim], SIGKILL);
     EXPECT_NE(program.wait(), 0);
@@ -219,13 +221,12 @@ TEST(Fault, kill_9_of_one_worker_or_of_rank_0_ends_the_job_and_the_next_run_cont
 
 TEST(Fault, with_survive_the_others_go_on_redo_the_design_and_finish) {
   const TestFolder folder;
-  write_text(folder / "study.toml", tiny_study(40, 2));
+  write_text(folder / "study.toml", tiny_study(20, 2));
   ASSERT_EQ(run_alone(folder, "reference").code, 0);
   for (const char* master : {"--no-dedicated-master", "--dedicated-master"}) {
     std::filesystem::remove_all(folder / "out");
     Program program(folder, under_mpirun_with_recovery(3, run_words("out", {"--survive", master})));
-    ASSERT_TRUE(wait_until([&] { return count_events(folder / "out", "started") >= 2; }));
-    sleep_ms(100);
+    ASSERT_TRUE(wait_until([&] { return under_way(folder); }));
     ::kill(ranks_of(program.pid())[1], SIGKILL);
     EXPECT_EQ(program.wait(), 0) << program.err();
     EXPECT_NE(program.err().find("was lost with rank 1"), std::string::npos) << program.err();
@@ -240,8 +241,7 @@ TEST(Fault, with_survive_the_others_go_on_redo_the_design_and_finish) {
   expect_same_results(folder / "reference", folder / "whole");
   std::filesystem::remove_all(folder / "out");
   Program headless(folder, under_mpirun_with_recovery(3, run_words("out", {"--survive"})));
-  ASSERT_TRUE(wait_until([&] { return recording(folder); }));
-  sleep_ms(300);
+  ASSERT_TRUE(wait_until([&] { return under_way(folder); }));
   ::kill(ranks_of(headless.pid())[0], SIGKILL);
   headless.wait();
   EXPECT_NE(headless.err().find("rank 0 is gone"), std::string::npos) << headless.err();
