@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <sstream>
 
 #include "cli/commands.h"
+#include "core/config/schema.h"
+#include "sweep/farm/crash_note.h"
 #include "sweep/stop.h"
 #include "sweep/store/results.h"
 #include "sweep/sweep.h"
@@ -11,12 +14,40 @@
 namespace drumsweep {
 namespace {
 
+/// "1:30:00", "90:00" or "5400" in seconds. @throws InputError
+double seconds_of_clock(const std::string& text) {
+  double seconds = 0;
+  int parts = 0;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ':'); ++parts) {
+    std::size_t used = 0;
+    double value = -1;
+    try {
+      value = std::stod(part, &used);
+    } catch (const std::exception&) {
+    }
+    if (used != part.size() || !(value >= 0) || parts > 2 || (parts > 0 && value >= 60)) {
+      parts = 0;
+      break;
+    }
+    seconds = 60 * seconds + value;
+  }
+  if (parts == 0 || !(seconds > 0))
+    throw InputError("--stop-before " + text + ": accepted is HH:MM:SS, MM:SS or seconds, above 0");
+  return seconds;
+}
+
+void set_retry(const std::vector<std::string>& states, SweepOptions& options) {
+  for (const std::string& state : states) (state == "failed" ? options.retry_failed : options.retry_lost) = true;
+}
+
 int run(const SweepOptions& options) {
   Farm farm;
   install_stop_signals();
+  install_crash_handler();
   if (farm.rank() != 0) {
     // Rank 0 speaks for all, with the exit code too.
-    serve_sweep(farm, options.threads);
+    serve_sweep(farm, options);
     return exit_done;
   }
   const SweepOutcome outcome = run_sweep(farm, options);
@@ -51,6 +82,33 @@ void add_run(CLI::App& app, int& exit_code) {
                    "threads of each rank; more ranks are better unless there are fewer designs than cores")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
+  auto stop_before = std::make_shared<std::string>();
+  auto retry = std::make_shared<std::vector<std::string>>();
+  command->add_option("--stop-before", *stop_before,
+                      "HH:MM:SS (or seconds) after the start: stop in good order before this, exit 3; for job scripts");
+  command
+      ->add_option(
+          "--checkpoint", options->checkpoint_interval_s,
+          "seconds between checkpoints inside a design (at a turn's end, at most 1 % of the time); 0: every turn")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6));
+  command
+      ->add_option(
+          "--retry", *retry,
+          "failed: try designs again that have failed; lost: those in quarantine, whose process died every time")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"failed", "lost"}));
+  command->add_flag("--dedicated-master,!--no-dedicated-master", options->dedicated_master,
+                    "rank 0 only serves the others, or simulates too [default: only serves above 32 ranks]");
+  command->add_flag("--survive", options->survive,
+                    "go on when a rank dies; with mpirun --enable-recovery --mca orte_abort_on_non_zero_status 0");
+  command
+      ->add_option(
+          "--silence", options->silence_s,
+          "--survive: a rank that was not heard for so many seconds is taken for dead (on the host of rank 0 it "
+          "is seen at once)")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e5));
   command->footer(
       "Examples:\n"
       "  drumsweep run study/quick.toml -o out              on one core\n"
@@ -61,8 +119,16 @@ void add_run(CLI::App& app, int& exit_code) {
       "provenance.csv (who, where, how long), run.log, warm_state.h5, designs/ID.h5 (landings).\n"
       "Changed stages and [objective] keys are taken up, without simulating anything twice; any other change is "
       "refused\n"
-      "(exit 5). SIGINT, SIGTERM and SIGUSR2 stop within a step (exit 3).");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      "(exit 5). SIGINT, SIGTERM and SIGUSR2 stop within a step, with a checkpoint (exit 3); SIGUSR1 writes one and "
+      "goes "
+      "on.\n"
+      "A design that crashes its process twice is put into quarantine: see OUT/quarantine. A design that hangs is not "
+      "seen.");
+  command->callback([options, stop_before, retry, &exit_code] {
+    if (!stop_before->empty()) options->stop_before_s = seconds_of_clock(*stop_before);
+    set_retry(*retry, *options);
+    exit_code = run(*options);
+  });
 }
 
 }  // namespace drumsweep

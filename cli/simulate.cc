@@ -135,7 +135,8 @@ int simulate(const Options& options) {
       study, at, std::filesystem::path(options.folder).lexically_normal().string(), options.threads_to_use(), reporter);
   reporter.clear();
   if (design.stopped) {
-    fmt::print(stderr, "drumsweep: stopped by {}; the warm-up goes on from its last window when run again\n",
+    fmt::print(stderr,
+               "drumsweep: stopped by {}; when run again the warm-up goes on where it was, a design begins anew\n",
                stop_signal());
     return exit_stopped;
   }

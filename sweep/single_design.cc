@@ -62,8 +62,9 @@ bool make_warm_drum(const Study& study, const std::string& path, const Observer&
   }
   reporter.info("warm-up: no finished warm drum in the folder, making one");
   const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study, w)); };
-  if (!warm_up(study, warm, observer, save, threads)) return false;
-  if (warm.windows.empty()) save(warm);
+  const bool ended = warm_up(study, warm, observer, save, threads);
+  if (!ended || warm.windows.empty()) save(warm);
+  if (!ended) return false;
   // Start from what is on disk, so that the next run from it gives the same bits.
   warm = read_warm_state(path, study).value();
   return true;

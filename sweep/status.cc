@@ -41,6 +41,9 @@ std::map<std::string, ResultRow> rows_of_table(const OutputPaths& paths) {
   return rows;
 }
 
+/// Its process died, and the run that found out has not begun it again yet.
+bool is_loss(const std::string& event) { return event == "lost" || event == "crashed" || event == "aborted"; }
+
 }  // namespace
 
 SweepStatus read_status(const std::string& folder) {
@@ -111,6 +114,7 @@ SweepStatus read_status(const std::string& folder) {
       // While a run is on, "started" without an end is the moment before the lock file says so.
       std::size_t& counter = !begun                       ? status.state.pending
                              : event->second == "stopped" ? status.state.stopped
+                             : is_loss(event->second)     ? status.state.lost
                              : event->second != "started" ? status.state.pending
                              : status.active              ? status.state.running
                                                           : status.state.lost;

@@ -5,10 +5,11 @@
 namespace drumsweep {
 namespace {
 
-// A signal handler can reach nothing but a global; this is the only one in the program.
-volatile std::sig_atomic_t received = 0;
+// A signal handler can reach nothing but a global.
+volatile std::sig_atomic_t received = 0, checkpoints = 0;
 
 extern "C" void note_signal(int number) { received = number; }
+extern "C" void note_checkpoint(int) { checkpoints = checkpoints + 1; }
 
 }  // namespace
 
@@ -22,8 +23,15 @@ void install_stop_signals() {
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     ::sigaction(number, &action, nullptr);
   }
+  struct sigaction action {};
+  action.sa_handler = note_checkpoint;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGUSR1, &action, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
 }
+
+int num_checkpoint_requests() { return checkpoints; }
+void request_checkpoint() { checkpoints = checkpoints + 1; }
 
 bool stop_requested() { return received != 0; }
 

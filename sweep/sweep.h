@@ -1,6 +1,7 @@
 /// A sweep from study to table: warm-up, all designs on all ranks, results.csv. Run again, it goes on where it stopped.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,6 +17,14 @@ struct SweepOptions {
   std::string study_path;
   int threads = 1;     ///< of each rank
   std::string output;  ///< empty: the study file's stem + "_result" in the current folder
+
+  double checkpoint_interval_s = 10;  ///< of the state inside a design, see checkpoint.h
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  ///< of the program
+  std::optional<double> stop_before_s;  ///< since `begin`; then all has ended in good order
+  bool retry_failed = false, retry_lost = false;
+  std::optional<bool> dedicated_master;  ///< rank 0 only serves; not given: above 32 ranks
+  bool survive = false;                  ///< go on when a rank dies; needs mpirun --enable-recovery
+  double silence_s = 60;                 ///< survive: a rank that was not heard for so long is taken for dead
 };
 
 struct SweepOutcome {
@@ -32,11 +41,12 @@ struct SweepOutcome {
 ///
 /// A design is called done when its recording is in the folder, durably. The table is then a function of the folder.
 /// A design whose simulation throws is failed and stays so; an error in writing stops the whole job, keeping what is
-/// there; so does a signal (stop.h), within a step. All other ranks have left when this returns or throws.
+/// there; so does a signal (stop.h), within a step. With `survive` a rank that dies is missed (roll_call.h), its design is
+/// simulated by another one, and nobody waits for the dead; without, the launcher ends the job. All other ranks have left when this returns or throws.
 /// @throws InputError, MismatchError, LockHeldError, WriteError
 SweepOutcome run_sweep(Farm& farm, const SweepOptions& options);
 
 /// The job of every other rank: simulates what it is given until it is told to stop.
-void serve_sweep(Farm& farm, int threads);
+void serve_sweep(Farm& farm, const SweepOptions& options);
 
 }  // namespace drumsweep

@@ -11,8 +11,10 @@ namespace {
 
 constexpr const char* warm_kind = "warm_state";
 constexpr const char* recording_kind = "recording";
+constexpr const char* progress_kind = "design_progress";
 constexpr int warm_layout = 2;
 constexpr int recording_layout = 2;
+constexpr int progress_layout = 1;
 
 /// Study without its stages: what a state or a recording may depend on.
 std::string study_text(Study study) {
@@ -129,6 +131,69 @@ void refuse_differences(const Study& stored, const Study& study, bool recording_
   if (!text.empty()) throw MismatchError(fmt::format("{}: was made with other settings:\n{}", source, text));
 }
 
+std::string keys_of(const Design& design) {
+  std::string keys;
+  for (const auto& [key, value] : design) keys += (keys.empty() ? "" : ",") + key;
+  return keys;
+}
+
+std::vector<double> values_of(const Design& design) {
+  std::vector<double> values;
+  for (const auto& [key, value] : design) values.push_back(value);
+  return values;
+}
+
+void write_identity(Hdf5Writer& file, const Study& study, const std::string& design_id, const Design& design) {
+  file.attribute("study", study_text(study));
+  file.attribute("program_version", std::string(DRUMSWEEP_VERSION));
+  file.attribute("design_id", design_id);
+  file.attribute("design_keys", keys_of(design));
+  file.dataset("design", values_of(design), 1, "in the keys", "values of design_keys");
+}
+
+void refuse_other_design(const Hdf5Reader& file, const Study& study, const std::string& design_id, const Design& design,
+                         const std::string& source) {
+  refuse_other_version(file, source);
+  if (file.text("design_id") != design_id || file.text("design_keys") != keys_of(design) ||
+      file.doubles("design") != values_of(design))
+    throw MismatchError(fmt::format("{}: holds design {} ({}), not design {} ({})", source, file.text("design_id"),
+                                    file.text("design_keys"), design_id, keys_of(design)));
+  refuse_differences(parse_study(file.text("study"), source + ": study"), study, true, source);
+}
+
+void write_landings(Hdf5Writer& file, const std::vector<Landing>& landings) {
+  std::vector<double> time, place;
+  std::vector<float> velocity, radius;
+  std::vector<std::uint32_t> id;
+  std::vector<std::uint8_t> exit;
+  for (const Landing& l : landings) {
+    time.push_back(l.time);
+    place.insert(place.end(), {l.x, l.y});
+    velocity.insert(velocity.end(), {l.vx, l.vy, l.vz});
+    radius.push_back(l.radius);
+    id.push_back(l.ball_id);
+    exit.push_back(l.exit);
+  }
+  file.dataset("landings/time", time, 1, "s", "simulation time of the landing");
+  file.dataset("landings/place", place, 2, "m", "along the belt (in the room) and across it from its edge");
+  file.dataset("landings/velocity", velocity, 3, "m s-1", "");
+  file.dataset("landings/radius", radius, 1, "m", "");
+  file.dataset("landings/ball_id", id, 1, "1", "");
+  file.dataset("landings/exit", exit, 1, "1", "1... slot, 255 over the outlet's end");
+}
+
+std::vector<Landing> read_landings(const Hdf5Reader& file) {
+  std::vector<Landing> landings;
+  const auto time = file.doubles("landings/time"), place = file.doubles("landings/place");
+  const auto velocity = file.floats("landings/velocity"), radius = file.floats("landings/radius");
+  const auto id = file.uint32s("landings/ball_id");
+  const auto exit = file.uint8s("landings/exit");
+  for (std::size_t i = 0; i < time.size(); ++i)
+    landings.push_back({time[i], place[2 * i], place[2 * i + 1], velocity[3 * i], velocity[3 * i + 1],
+                        velocity[3 * i + 2], radius[i], id[i], exit[i]});
+  return landings;
+}
+
 }  // namespace
 
 std::string explain_differences(const Study& stored, const Study& given, bool recording_too) {
@@ -180,17 +245,7 @@ WarmState unpack_warm_state(const std::string& bytes, const Study& study, const 
 
 std::string pack_recording(const Study& study, const std::string& design_id, const Design& design, const Recording& r) {
   Hdf5Writer file;
-  file.attribute("study", study_text(study));
-  file.attribute("program_version", std::string(DRUMSWEEP_VERSION));
-  file.attribute("design_id", design_id);
-  std::string keys;
-  std::vector<double> values;
-  for (const auto& [key, value] : design) {
-    keys += (keys.empty() ? "" : ",") + key;
-    values.push_back(value);
-  }
-  file.attribute("design_keys", keys);
-  file.dataset("design", values, 1, "in the keys", "values of design_keys");
+  write_identity(file, study, design_id, design);
   file.attribute("begin_s", r.begin_s);
   file.attribute("turns", r.turns);
   write_counts(file, r.counts);
@@ -209,42 +264,14 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
   file.attribute("num_contacts", static_cast<std::int64_t>(r.quality.num_contacts));
   file.attribute("num_rows", static_cast<std::int64_t>(r.quality.num_rows));
   file.attribute("state_hash", fmt::format("{:016x}", r.hash));
-
-  std::vector<double> time, place;
-  std::vector<float> velocity, radius;
-  std::vector<std::uint32_t> id;
-  std::vector<std::uint8_t> exit;
-  for (const Landing& l : r.landings) {
-    time.push_back(l.time);
-    place.insert(place.end(), {l.x, l.y});
-    velocity.insert(velocity.end(), {l.vx, l.vy, l.vz});
-    radius.push_back(l.radius);
-    id.push_back(l.ball_id);
-    exit.push_back(l.exit);
-  }
-  file.dataset("landings/time", time, 1, "s", "simulation time of the landing");
-  file.dataset("landings/place", place, 2, "m", "along the belt (in the room) and across it from its edge");
-  file.dataset("landings/velocity", velocity, 3, "m s-1", "");
-  file.dataset("landings/radius", radius, 1, "m", "");
-  file.dataset("landings/ball_id", id, 1, "1", "");
-  file.dataset("landings/exit", exit, 1, "1", "1... slot, 255 over the outlet's end");
+  write_landings(file, r.landings);
   return file.seal(recording_kind, recording_layout);
 }
 
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source) {
   const Hdf5Reader file(bytes, recording_kind, recording_layout, source);
-  refuse_other_version(file, source);
-  std::string keys;
-  std::vector<double> values;
-  for (const auto& [key, value] : design) {
-    keys += (keys.empty() ? "" : ",") + key;
-    values.push_back(value);
-  }
-  if (file.text("design_id") != design_id || file.text("design_keys") != keys || file.doubles("design") != values)
-    throw MismatchError(fmt::format("{}: holds design {} ({}), not design {} ({})", source, file.text("design_id"),
-                                    file.text("design_keys"), design_id, keys));
-  refuse_differences(parse_study(file.text("study"), source + ": study"), study, true, source);
+  refuse_other_design(file, study, design_id, design, source);
   Recording r;
   r.begin_s = file.real("begin_s");
   r.turns = file.real("turns");
@@ -262,14 +289,58 @@ Recording unpack_recording(const std::string& bytes, const Study& study, const s
   r.quality.num_contacts = static_cast<std::size_t>(file.integer("num_contacts"));
   r.quality.num_rows = static_cast<std::size_t>(file.integer("num_rows"));
   r.hash = std::stoull(file.text("state_hash"), nullptr, 16);
-  const auto time = file.doubles("landings/time"), place = file.doubles("landings/place");
-  const auto velocity = file.floats("landings/velocity"), radius = file.floats("landings/radius");
-  const auto id = file.uint32s("landings/ball_id");
-  const auto exit = file.uint8s("landings/exit");
-  for (std::size_t i = 0; i < time.size(); ++i)
-    r.landings.push_back({time[i], place[2 * i], place[2 * i + 1], velocity[3 * i], velocity[3 * i + 1],
-                          velocity[3 * i + 2], radius[i], id[i], exit[i]});
+  r.landings = read_landings(file);
   return r;
+}
+
+std::string pack_progress(const Study& study, const std::string& design_id, const Design& design,
+                          const DesignProgress& progress, int attempt) {
+  Hdf5Writer file;
+  write_identity(file, study, design_id, design);
+  file.attribute("attempt", std::int64_t{attempt});
+  write_state(file, progress.state);
+  write_landings(file, progress.landings);
+  file.dataset("quality/of_steps", progress.quality_of_steps, quality_columns.size(), "in the columns",
+               fmt::format("of each recorded outer step: {}", fmt::join(quality_columns, ", ")));
+  const StepReport& sum = progress.quality.sum();
+  const std::vector<double> sums = {sum.residual.mean, sum.residual.max, sum.iterations,   sum.max_overlap,
+                                    sum.overlap_95,    sum.mean_overlap, sum.force_balance};
+  file.dataset(
+      "quality/sums", sums, 1, "SI",
+      "over the recorded steps: mean residual, max residual (largest), iterations, max overlap (largest), 95 % "
+      "overlap, mean overlap, force balance (largest)");
+  const std::vector<std::int64_t> numbers = {progress.quality.num(), static_cast<std::int64_t>(sum.num_contacts),
+                                             static_cast<std::int64_t>(sum.num_rows),
+                                             static_cast<std::int64_t>(sum.residual.num_rows)};
+  file.dataset("quality/numbers", numbers, 1, "1", "steps; sums of contacts, rows and the residual's rows");
+  return file.seal(progress_kind, progress_layout);
+}
+
+StoredProgress unpack_progress(const std::string& bytes, const Study& study, const std::string& design_id,
+                               const Design& design, const std::string& source) {
+  const Hdf5Reader file(bytes, progress_kind, progress_layout, source);
+  refuse_other_design(file, study, design_id, design, source);
+  StoredProgress stored{{}, static_cast<int>(file.integer("attempt"))};
+  DesignProgress& progress = stored.progress;
+  progress.begun = true;
+  progress.state = read_state(file);
+  progress.landings = read_landings(file);
+  progress.quality_of_steps = file.floats("quality/of_steps");
+  const auto sums = file.doubles("quality/sums");
+  const auto numbers = file.int64s("quality/numbers");
+  StepReport sum;
+  sum.residual.mean = sums.at(0);
+  sum.residual.max = sums.at(1);
+  sum.iterations = sums.at(2);
+  sum.max_overlap = sums.at(3);
+  sum.overlap_95 = sums.at(4);
+  sum.mean_overlap = sums.at(5);
+  sum.force_balance = sums.at(6);
+  sum.num_contacts = static_cast<std::size_t>(numbers.at(1));
+  sum.num_rows = static_cast<std::size_t>(numbers.at(2));
+  sum.residual.num_rows = static_cast<std::size_t>(numbers.at(3));
+  progress.quality = ReportMean(sum, numbers.at(0));
+  return stored;
 }
 
 }  // namespace drumsweep

@@ -35,6 +35,18 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source);
 
+/// A design's run between two steps; `attempt` counts how often the design had been begun when it was written.
+std::string pack_progress(const Study& study, const std::string& design_id, const Design& design,
+                          const DesignProgress& progress, int attempt);
+
+struct StoredProgress {
+  DesignProgress progress;
+  int attempt;
+};
+/// @throws as unpack_recording()
+StoredProgress unpack_progress(const std::string& bytes, const Study& study, const std::string& design_id,
+                               const Design& design, const std::string& source);
+
 /// Differences of keys with the given scope or one that it depends on, one line each, empty when there are none.
 std::string explain_differences(const Study& stored, const Study& given, bool recording_too);
 

@@ -27,19 +27,22 @@ bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
       warm.finished = true;
       break;
     }
-    WarmState next = warm;
-    const Counts before = next.state.counts;
     const std::int64_t last = steps_for_turns(model, end);
-    while (next.state.num_steps < last) {
-      advance(model, next.state, work);
-      const double time = time_of(model, next.state.num_steps);
+    while (warm.state.num_steps < last) {
+      advance(model, warm.state, work);
+      const double time = time_of(model, warm.state.num_steps);
       if (observer &&
-          !observer({"warm-up", time / model.seconds_per_turn(), config.max_turns, time, next.state.balls.size()}))
+          !observer({"warm-up", time / model.seconds_per_turn(), config.max_turns, time, warm.state.balls.size()}))
         return false;
     }
-    const Counts& after = next.state.counts;
-    next.windows.push_back({end, after.fed - before.fed, after.landed + after.spilled - before.landed - before.spilled,
-                            static_cast<std::int64_t>(next.state.balls.size())});
+    // What came and went before this window is in the earlier ones, so that it may begin in another process.
+    WarmupWindow window{end, warm.state.counts.fed, warm.state.counts.landed + warm.state.counts.spilled,
+                        static_cast<std::int64_t>(warm.state.balls.size())};
+    for (const WarmupWindow& earlier : warm.windows) {
+      window.fed -= earlier.fed;
+      window.left -= earlier.left;
+    }
+    warm.windows.push_back(window);
 
     // Steady: the last `windows` of them all balance.
     const auto balances = [&](const WarmupWindow& w) {
@@ -47,10 +50,9 @@ bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
              std::abs(static_cast<double>(w.fed - w.left)) <= config.tolerance * static_cast<double>(w.fed);
     };
     const auto needed = static_cast<std::ptrdiff_t>(config.windows);
-    next.steady = static_cast<std::ptrdiff_t>(next.windows.size()) >= needed &&
-                  std::all_of(next.windows.end() - needed, next.windows.end(), balances);
-    next.finished = next.steady || end + config.window_turns > config.max_turns;
-    warm = std::move(next);
+    warm.steady = static_cast<std::ptrdiff_t>(warm.windows.size()) >= needed &&
+                  std::all_of(warm.windows.end() - needed, warm.windows.end(), balances);
+    warm.finished = warm.steady || end + config.window_turns > config.max_turns;
     if (save) save(warm);
   }
   return true;
@@ -63,20 +65,23 @@ Study study_of_design(const Study& study, const Design& design) {
   return out;
 }
 
-Recording run_design(const Study& base, const DrumState& warm, const Design& design, const Observer& observer,
-                     int threads, DrumState* final_state) {
+Recording continue_design(const Study& base, const DrumState& warm, const Design& design, DesignProgress& progress,
+                          const Observer& observer, int threads) {
   const double cpu_begin = cpu_seconds_of_run(threads);
   const Study study = study_of_design(base, design);
   const DrumModel model(study, study.outlet);
-  DrumState state = warm;
-  adopt_outlet(model, state);
+  DrumState& state = progress.state;
+  if (!progress.begun) {
+    state = warm;
+    adopt_outlet(model, state);
+    progress.begun = true;
+  }
 
   Recording out;
   DrumWorkspace work;
   work.threads = threads;
-  ReportMean quality;
   const double turns = study.record.adapt_turns + study.record.turns;
-  const std::int64_t first = state.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
+  const std::int64_t first = warm.num_steps, recorded = first + steps_for_turns(model, study.record.adapt_turns);
   // Rounded up, so that the window of the objective is filled; what lands after it does not count.
   const auto last = recorded + static_cast<std::int64_t>(std::ceil(
                                    study.record.turns * model.seconds_per_turn() / study.solver.outer_step_s - 1e-9));
@@ -84,25 +89,36 @@ Recording run_design(const Study& base, const DrumState& warm, const Design& des
   out.turns = study.record.turns;
   while (state.num_steps < last && !out.stopped) {
     const bool recording = state.num_steps >= recorded;
-    const StepReport report = advance(model, state, work, recording ? &out.landings : nullptr);
+    const StepReport report = advance(model, state, work, recording ? &progress.landings : nullptr);
     if (recording) {
-      quality.add(report);
+      progress.quality.add(report);
       for (const double value : {report.residual.mean, report.residual.max, report.overlap_95, report.max_overlap,
                                  report.force_balance, report.iterations})
-        out.quality_of_steps.push_back(static_cast<float>(value));
+        progress.quality_of_steps.push_back(static_cast<float>(value));
     }
     const double done = (time_of(model, state.num_steps) - time_of(model, first)) / model.seconds_per_turn();
     out.stopped = observer && !observer({recording ? "recording" : "adapting", done, turns,
                                          time_of(model, state.num_steps), state.balls.size()});
   }
+  // Stopped between two steps the run is not over: `progress` keeps what it has.
+  if (out.stopped) return out;
+  out.landings = std::move(progress.landings);
+  out.quality_of_steps = std::move(progress.quality_of_steps);
   out.counts = state.counts;
   out.inside = static_cast<std::int64_t>(state.balls.size());
   out.lost = state.counts.removed - warm.counts.removed;
   out.feed_debt_kg = state.feed_debt_kg;
-  out.quality = quality.mean();
+  out.quality = progress.quality.mean();
   out.hash = state_hash(state);
   out.cpu_s = cpu_seconds_of_run(threads) - cpu_begin;
-  if (final_state != nullptr) *final_state = std::move(state);
+  return out;
+}
+
+Recording run_design(const Study& study, const DrumState& warm, const Design& design, const Observer& observer,
+                     int threads, DrumState* final_state) {
+  DesignProgress progress;
+  Recording out = continue_design(study, warm, design, progress, observer, threads);
+  if (final_state != nullptr) *final_state = std::move(progress.state);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/step/drum_step.h"
+#include "core/step/step_report.h"
 
 namespace drumsweep {
 
@@ -31,14 +32,16 @@ struct WarmupWindow {
 
 struct WarmState {
   DrumState state;
-  std::vector<WarmupWindow> windows;
-  bool finished = false;  ///< the warm-up has ended: steady, or at its cap
-  bool steady = false;    ///< inflow = outflow within the tolerance in the last windows
+  std::vector<WarmupWindow> windows;  ///< those complete; the state may be further
+  bool finished = false;              ///< the warm-up has ended: steady, or at its cap
+  bool steady = false;                ///< inflow = outflow within the tolerance in the last windows
 };
 
 /// Feeds an empty drum (or goes on from `warm`) until inflow and outflow agree over the study's windows, or the cap.
+/// Works in `warm` itself: whenever the observer is called it may be saved, and a warm-up that goes on from there ends in
+/// bitwise the same state.
 /// @param save  called after every window: the state to keep for a restart; may be empty
-/// @return false when the observer stopped it; `warm` is then as at the last window and the steps since are lost
+/// @return false when the observer stopped it
 bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
              const std::function<void(const WarmState&)>& save, int threads = 1);
 
@@ -69,7 +72,22 @@ struct Recording {
 /// The study with a design's values put in. @throws InputError
 Study study_of_design(const Study& study, const Design& design);
 
+/// A design's run between two outer steps: all that it takes to go on.
+struct DesignProgress {
+  bool begun = false;  ///< else the run begins from the warm drum
+  DrumState state;
+  std::vector<Landing> landings;
+  ReportMean quality;
+  std::vector<float> quality_of_steps;
+};
+
 /// Runs one design: the warm state with its outlet replaced, adaptation, recording of whole turns.
+/// Works in `progress` itself: whenever the observer is called it may be saved, and a run that goes on from there gives
+/// bitwise the same recording. At the end its landings have moved into the recording.
+Recording continue_design(const Study& study, const DrumState& warm, const Design& design, DesignProgress& progress,
+                          const Observer& observer, int threads = 1);
+
+/// The same from the beginning.
 /// @param final_state  out, may be null: the state at the end
 Recording run_design(const Study& study, const DrumState& warm, const Design& design, const Observer& observer,
                      int threads = 1, DrumState* final_state = nullptr);

@@ -98,12 +98,13 @@ void ReportMean::add(const StepReport& r) {
 StepReport ReportMean::mean() const {
   StepReport out = sum_;
   if (num_ == 0) return out;
-  out.num_contacts = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_contacts) / num_));
-  out.num_rows = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_rows) / num_));
-  out.iterations /= num_;
-  out.residual.mean /= num_;
-  out.overlap_95 /= num_;
-  out.mean_overlap /= num_;
+  const auto num = static_cast<double>(num_);
+  out.num_contacts = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_contacts) / num));
+  out.num_rows = static_cast<std::size_t>(std::llround(static_cast<double>(sum_.num_rows) / num));
+  out.iterations /= num;
+  out.residual.mean /= num;
+  out.overlap_95 /= num;
+  out.mean_overlap /= num;
   return out;
 }
 

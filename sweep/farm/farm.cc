@@ -17,6 +17,8 @@
 namespace drumsweep {
 namespace {
 
+/// After a message the next one is likely: napping at once would bound the rate to one design a millisecond and rank.
+constexpr auto wakeful = std::chrono::microseconds(500);
 constexpr std::size_t piece = std::size_t{16} << 20;  // of a broadcast [bytes]
 
 /// Number of processes that a launcher says it has started, 0 when there is no launcher. SLURM_NTASKS is not asked: it
@@ -49,6 +51,7 @@ struct Farm::Impl {
   bool mpi = false, closed = false;
   pid_t parent = ::getppid();
   std::list<Pending> sending;  ///< a list: the buffers must not move
+  std::chrono::steady_clock::time_point last_message{};
 
   void forget_sent() {
     for (auto it = sending.begin(); it != sending.end();) {
@@ -100,6 +103,13 @@ void Farm::close() {
 bool Farm::orphaned() const { return impl_->mpi && ::getppid() != impl_->parent; }
 void Farm::nap() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
 
+void Farm::rest() {
+  if (std::chrono::steady_clock::now() - impl_->last_message < wakeful)
+    std::this_thread::yield();
+  else
+    nap();
+}
+
 std::string Farm::host() const {
   std::array<char, 256> name{};
   ::gethostname(name.data(), name.size() - 1);
@@ -137,7 +147,10 @@ std::optional<Message> Farm::poll() {
   check(MPI_Imrecv(message.body.data(), count, MPI_BYTE, &handle, &request), "MPI_Imrecv");
   for (int arrived = 0;;) {
     check(MPI_Test(&request, &arrived, MPI_STATUS_IGNORE), "MPI_Test");
-    if (arrived != 0) return message;
+    if (arrived != 0) {
+      impl_->last_message = std::chrono::steady_clock::now();
+      return message;
+    }
     nap();
   }
 }

@@ -1,19 +1,22 @@
 /// The ranks of a job and the messages between them. The only place that knows MPI; without mpirun there is one rank
 /// and MPI is not even started.
 ///
-///   tag     from -> to    body                       meaning
-///   study   0 -> r        output folder, study text  a sweep has begun
-///   warm    0 -> r        number of bytes            the warm drum follows by broadcast()
-///   design  0 -> r        assignment (design_run.h)  simulate this one
-///   done    r -> 0        outcome of the design      it is stored durably (or failed, or was stopped); wants another
-///   broken  r -> 0        cause                      this rank cannot go on (full disk ...): stop all, exit 3
-///   stop    0 -> r        -                          stop within a step, then say bye
-///   bye     r -> 0        -                          nothing more will come from r
-///   check   both          see doctor.cc              `drumsweep doctor`, no sweep
+///   tag         from -> to    body                       meaning
+///   study       0 -> r        output folder, study text  a sweep has begun
+///   warm        0 -> r        number of bytes, or 0      the warm drum follows by broadcast(); 0: it is in the folder
+///   design      0 -> r        assignment (design_run.h)  simulate this one
+///   done        r -> 0        outcome of the design      it is stored durably (or failed, or was stopped); wants another
+///   broken      r -> 0        cause                      this rank cannot go on (full disk ...): stop all, exit 3
+///   checkpoint  0 -> r        -                          write one and go on
+///   stop        0 -> r        -                          stop within a step, then say bye
+///   bye         r -> 0        -                          nothing more will come from r
+///   alive       both          process id, host           --survive: now and then, see roll_call.h
+///   end         0 -> r        1 or 0                     --survive: all have said bye; 1: nobody has died, end MPI
+///   check       both          see doctor.cc              `drumsweep doctor`, no sweep
 ///
-/// Order between two ranks is kept. Nobody blocks in a receive and nobody spins: whoever waits polls and sleeps 1 ms,
-/// as rank 0 shares its core with its own simulation (a blocking wait of Open MPI takes a whole core: measured, 2.1
-/// times the wall time).
+/// Order between two ranks is kept. Nobody blocks in a receive and nobody spins for long: whoever waits polls, for a
+/// moment after a message yielding its core, then sleeping 1 ms at a time, as rank 0 shares its core with its own
+/// simulation (a blocking wait of Open MPI takes a whole core: measured, 2.1 times the wall time).
 #pragma once
 
 #include <cstdint>
@@ -23,7 +26,7 @@
 
 namespace drumsweep {
 
-enum class Tag { study = 1, warm, design, done, broken, stop, bye, check };
+enum class Tag { study = 1, warm, design, done, broken, checkpoint, stop, bye, alive, end, check };
 
 struct Message {
   int from;
@@ -59,6 +62,8 @@ class Farm {
   void close();
 
   static void nap();  ///< 1 ms
+  /// Between two polls that found nothing: gives the core away, and sleeps once nothing has come for a while.
+  void rest();
 
  private:
   struct Impl;

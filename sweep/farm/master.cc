@@ -3,17 +3,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <deque>
 #include <exception>
 #include <filesystem>
 #include <type_traits>
+#include <utility>
 
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "core/parallel/parallel_for.h"
 #include "core/scene/cpu_clock.h"
+#include "postproc/objective.h"
+#include "sweep/farm/casualties.h"
+#include "sweep/farm/checkpoint.h"
 #include "sweep/farm/design_run.h"
+#include "sweep/farm/roll_call.h"
 #include "sweep/plan/findings.h"
 #include "sweep/plan/planner.h"
 #include "sweep/progress.h"
@@ -36,14 +42,33 @@ constexpr double patience_s = 10.0;
 constexpr double visibility_s = 30.0;
 /// The table in the folder is at most this old while designs come in.
 constexpr double table_interval_s = 10.0;
+/// Above this many ranks rank 0 only serves, unless told otherwise.
+constexpr int most_ranks_of_a_working_master = 32;
+/// Looking at all ranks costs microseconds each.
+constexpr double roll_interval_s = 0.2;
+/// Messages that share one durable write of provenance.csv.
+constexpr int largest_batch = 256;
+
+/// Of --stop-before, kept for the last checkpoints, the table and the goodbyes [s].
+double reserve_s(double stop_before_s) { return std::clamp(0.01 * stop_before_s, 1.0, 60.0); }
 
 class Master {
  public:
-  Master(Farm& farm, const Study& study, const std::string& folder, int threads)
-      : farm_(farm), study_(study), planner_(study), threads_(threads), store_(folder, study) {
+  Master(Farm& farm, const Study& study, const std::string& folder, const SweepOptions& options)
+      : farm_(farm),
+        study_(study),
+        planner_(study),
+        options_(options),
+        store_(folder, study),
+        roll_(farm.size(), options.silence_s, farm.host()) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
+    casualties_.emplace(store_.paths(), study_, *provenance_);
     busy_.resize(static_cast<std::size_t>(farm.size()));
+    dedicated_ = farm.size() > 1 && options.dedicated_master.value_or(farm.size() > most_ranks_of_a_working_master);
+    if (options.stop_before_s)
+      stop_at_ = options.begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+                                     *options.stop_before_s - reserve_s(*options.stop_before_s)));
   }
 
   SweepOutcome run() {
@@ -52,15 +77,25 @@ class Master {
                                planner_.complete() ? "" : " and those that searches will ask for", farm_.size(),
                                farm_.size() == 1 ? "" : "s", store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
+    if (options_.dedicated_master.value_or(false) && !dedicated_)
+      reporter_.warn("--dedicated-master: this rank is the only one, so it works too");
+    const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
+    if (options_.survive && farm_.size() > 1 && (recovery == nullptr || std::string(recovery) != "1"))
+      reporter_.warn(
+          "--survive: mpirun was started without --enable-recovery --mca orte_abort_on_non_zero_status 0, so it will "
+          "end "
+          "the job when a rank dies");
     try {
+      settle_the_past();
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
       if (!stopping()) take_stock();
       write_table();
       if (!stopping() && !pending_.empty()) {
-        farm_.send_all(Tag::warm, std::to_string(warm_bytes.size()));
+        // A broadcast would wait for the dead.
+        farm_.send_all(Tag::warm, std::to_string(options_.survive ? 0 : warm_bytes.size()));
         std::string bytes = warm_bytes;
-        farm_.broadcast(bytes);
+        if (!options_.survive) farm_.broadcast(bytes);
         hand_out();
       }
     } catch (const WriteError& error) {
@@ -100,22 +135,32 @@ class Master {
   }
 
   bool fill_drum(const std::string& path, WarmState& warm) {
-    reporter_.info(warm.windows.empty() ? "warm-up: filling the empty drum"
-                                        : fmt::format("warm-up: going on at turn {}", warm.windows.back().turns_end));
+    const double turns =
+        static_cast<double>(warm.state.num_steps) * study_.solver.outer_step_s / duration_of_turns(1, study_.drum);
+    reporter_.info(turns == 0 ? "warm-up: filling the empty drum"
+                              : fmt::format("warm-up: going on at turn {:.4g}", turns));
     const auto begin = Clock::now();
     const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
-    const auto save = [&](const WarmState& w) {
-      write_durably(path, pack_warm_state(study_, w));
+    const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study_, w)); };
+    const auto end_window = [&](const WarmState& w) {
+      save(w);
       const WarmupWindow& last = w.windows.back();
       reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
                                  last.turns_end, last.fed, last.left, last.inside));
     };
     // The other ranks wait: where this one is not bound to a core, theirs are free.
-    const int threads = std::max(threads_, std::min(available_threads(), farm_.size()));
-    const bool ended =
-        observed([&](const Observer& observer) { return warm_up(study_, warm, observer, save, threads); });
-    // A cap of no turns at all ends without a window and so without having been saved.
-    if (ended && warm.windows.empty()) write_durably(path, pack_warm_state(study_, warm));
+    const int threads = std::max(options_.threads, std::min(available_threads(), farm_.size()));
+    int requests = num_checkpoint_requests();
+    const bool ended = observed([&](const Observer& observer) {
+      const Observer between_steps = [&](const Progress& at) {
+        if (requests != num_checkpoint_requests()) save(warm);
+        requests = num_checkpoint_requests();
+        return observer(at);
+      };
+      return warm_up(study_, warm, between_steps, end_window, threads);
+    });
+    // Stopped inside a window; or a cap of no turns at all, which ends without any.
+    if (!ended || warm.windows.empty()) save(warm);
     provenance_->add({"warm_up", "", 1, 0, farm_.host(), seconds_since(begin),
                       cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin, "", ""});
     if (ended && warm.steady)
@@ -133,7 +178,7 @@ class Master {
     do look_up_new_designs();
     while (!stopping() && pending_.empty() && extend_plan());
     stocked_ = !stopping();
-    if (const std::size_t stored = num_rows_ - num_impossible_; stored > 0)
+    if (const std::size_t stored = num_rows_; stored > 0)
       reporter_.info(fmt::format("{} of {} designs are there already", stored, plan().designs.size()));
   }
 
@@ -148,9 +193,7 @@ class Master {
   bool extend_plan() {
     std::vector<std::size_t> num_notes;
     for (const StageSummary& stage : plan().stages) num_notes.push_back(stage.notes.size());
-    const auto begin = Clock::now();
     const bool grown = planner_.extend(row_of());
-    fit_s_ += seconds_since(begin);
     for (std::size_t s = 0; s < num_notes.size(); ++s)
       for (std::size_t n = num_notes[s]; n < plan().stages[s].notes.size(); ++n)
         reporter_.info(fmt::format("stage \"{}\": {}", plan().stages[s].name, plan().stages[s].notes[n]));
@@ -165,8 +208,7 @@ class Master {
       const PlannedDesign& design = plan().designs[i];
       if (!design.impossible.empty()) {
         set_row(i, failed_row(design, design.impossible));
-        ++num_impossible_;
-      } else if (!load_row(i)) {
+      } else if (!load_row(i) && !in_quarantine(i)) {
         pending_.push_back(i);
       } else if (rows_[i]->state == "failed" && has_failure(store_.paths(), design.id)) {
         reporter_.info(fmt::format("design {} has failed before ({}); to have it tried again delete {}", design.id,
@@ -174,6 +216,7 @@ class Master {
       }
       poll_ranks();
     }
+    put_suspects_last();
   }
 
   void set_row(std::size_t i, ResultRow row) {
@@ -196,25 +239,81 @@ class Master {
     return rows_[i].has_value();
   }
 
+  // --- designs that die with their process
+
+  void settle_the_past() {
+    for (const std::string& note : casualties_->settle_last_run()) reporter_.warn(note);
+    for (const std::string& note : casualties_->retry(options_.retry_failed, options_.retry_lost)) reporter_.info(note);
+    remove_stale_checkpoints(store_.paths());
+  }
+
+  /// Whether this design has killed its process too often; it has its row then.
+  bool in_quarantine(std::size_t i) {
+    const std::optional<std::string> reason = casualties_->judge(plan().designs[i]);
+    if (!reason) return false;
+    reporter_.warn(fmt::format("design {} is {}; its input: {}/{}.toml", plan().designs[i].id, *reason,
+                               store_.paths().quarantine(), plan().designs[i].id));
+    return load_row(i);
+  }
+
+  /// So that all others are done before one of them can end the job again.
+  void put_suspects_last() {
+    std::stable_sort(pending_.begin(), pending_.end(), [&](std::size_t a, std::size_t b) {
+      return casualties_->suspicion(plan().designs[a]) < casualties_->suspicion(plan().designs[b]);
+    });
+  }
+
+  /// With --survive: ranks that are no more there.
+  void call_the_roll() {
+    if (!options_.survive || seconds_since(roll_called_) < roll_interval_s) return;
+    roll_called_ = Clock::now();
+    if (roll_.due())
+      for (int rank = 1; rank < farm_.size(); ++rank)
+        if (roll_.listed(rank)) farm_.send(rank, Tag::alive, roll_.here());
+    for (int rank = 1; rank < farm_.size(); ++rank)
+      if (roll_.missing(rank)) lose(rank);
+  }
+
+  /// A rank has died: its design goes to another one.
+  void lose(int rank) {
+    roll_.strike(rank);
+    ++num_gone_;
+    ++num_dead_;
+    std::optional<std::size_t>& at = busy_[static_cast<std::size_t>(rank)];
+    if (!at) return reporter_.warn(fmt::format("rank {} is gone", rank));
+    const std::size_t index = *at;
+    at.reset();
+    --num_busy_;
+    flush();
+    reporter_.warn(casualties_->bury(plan().designs[index], rank));
+    if (has_recording(store_.paths(), plan().designs[index].id) && load_row(index)) return;
+    if (in_quarantine(index)) return;
+    pending_.push_back(index);
+    give_to_idle_ranks();
+    flush();
+  }
+
   // --- handing out
 
   void hand_out() {
     give_to_idle_ranks();
-    while (!stopping() && (!pending_.empty() || num_busy() > 0)) {
-      if (!pending_.empty()) {
+    flush();
+    while (!stopping() && (!pending_.empty() || num_busy_ > 0)) {
+      if (!pending_.empty() && !dedicated_) {
         simulate_one();
       } else {
+        if (!pending_.empty() && num_dead_ == farm_.size() - 1) return stop("all other ranks have died");
         poll_ranks();
         reporter_.update_waiting(counts());
         tell_status("waiting for other ranks");
-        Farm::nap();
+        farm_.rest();
       }
     }
   }
 
   void give_to_idle_ranks() {
     for (int rank = 1; rank < farm_.size() && !pending_.empty(); ++rank)
-      if (!busy_[static_cast<std::size_t>(rank)]) give(rank);
+      if (roll_.listed(rank) && !busy_[static_cast<std::size_t>(rank)]) give(rank);
   }
 
   /// After a result: searches may ask for more, as soon as a rank would have nothing to do.
@@ -228,29 +327,41 @@ class Master {
     give_to_idle_ranks();
   }
 
-  /// Gives the next design to a rank; the line in provenance.csv is durable before the rank hears of it.
+  /// Gives the next design to a rank, which hears of it in flush().
   std::optional<std::size_t> give(int rank) {
     if (pending_.empty() || stopping()) return std::nullopt;
     const std::size_t index = pending_.front();
     const PlannedDesign& design = plan().designs[index];
     const std::string& id = design.id;
-    provenance_->add({"started", id, provenance_->attempts(id) + 1, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
+    const int attempt = provenance_->attempts(id) + 1;
+    lines_.push_back({"started", id, attempt, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
     pending_.pop_front();
     busy_[static_cast<std::size_t>(rank)] = index;
-    if (rank != 0) farm_.send(rank, Tag::design, pack_assignment({index, design}));
+    ++num_busy_;
+    if (rank != 0) orders_.emplace_back(rank, pack_assignment({index, attempt, design}));
     return index;
+  }
+
+  /// Makes the lines of all that has happened durable, with one write; only then the ranks hear what to do next.
+  void flush() {
+    // Taken before the write: an order whose line did not become durable must never go out.
+    const auto orders = std::exchange(orders_, {});
+    if (!lines_.empty()) provenance_->add(std::exchange(lines_, {}));
+    for (const auto& [rank, order] : orders) farm_.send(rank, Tag::design, order);
   }
 
   void simulate_one() {
     const std::optional<std::size_t> index = give(0);
     if (!index) return;
+    flush();
+    const PlannedDesign design = plan().designs[*index];  // a copy: the plan may grow meanwhile
+    const RunHow how{options_.threads, provenance_->attempts(design.id), options_.checkpoint_interval_s};
     const DesignOutcome outcome = observed([&](const Observer& observer) {
-      // A copy: the plan may grow meanwhile.
-      const PlannedDesign design = plan().designs[*index];
-      return simulate_and_store(store_.paths(), study_, warm_, design, *index, farm_.host(), observer, threads_);
+      return simulate_and_store(store_.paths(), study_, warm_, design, *index, farm_.host(), observer, how);
     });
     accept(0, outcome);
     refill();
+    flush();
   }
 
   /// Runs something under the observer that serves the other ranks. What goes wrong in serving must not look like a
@@ -276,35 +387,63 @@ class Master {
   }
 
   void poll_ranks() {
-    while (const std::optional<Message> message = farm_.poll()) {
-      switch (message->tag) {
-        case Tag::done:
-          accept(message->from, unpack_outcome(message->body));
-          refill();
-          break;
-        case Tag::broken:
-          stop(message->body);
-          note_stopped(message->from);
-          break;
-        case Tag::bye:
-          ++num_gone_;
-          break;
-        default:
-          break;
-      }
+    for (int i = 0; i < largest_batch; ++i) {
+      const std::optional<Message> message = farm_.poll();
+      if (!message) break;
+      serve(*message);
     }
+    flush();
+    call_the_roll();
     if (farm_.orphaned()) stop("mpirun has died");
     if (stop_requested()) stop(stop_signal());
+    if (stop_at_ && Clock::now() > *stop_at_)
+      stop(fmt::format("--stop-before {}", clock_text(*options_.stop_before_s)));
+    if (checkpoints_passed_on_ != num_checkpoint_requests()) {
+      checkpoints_passed_on_ = num_checkpoint_requests();
+      reporter_.info("checkpoint asked for by SIGUSR1");
+      farm_.send_all(Tag::checkpoint, "");
+    }
+  }
+
+  void serve(const Message& message) {
+    if (!roll_.listed(message.from)) {
+      // Taken for dead, and yet it speaks: its design is somebody else's now.
+      if (num_dead_ > 0 && message.tag != Tag::bye) farm_.send(message.from, Tag::stop, "");
+      return;
+    }
+    roll_.heard(message.from);
+    switch (message.tag) {
+      case Tag::done:
+        accept(message.from, unpack_outcome(message.body));
+        give(message.from);
+        refill();
+        break;
+      case Tag::broken:
+        stop(message.body);
+        note_stopped(message.from);
+        break;
+      case Tag::bye:
+        roll_.strike(message.from);
+        ++num_gone_;
+        break;
+      case Tag::alive:
+        roll_.heard(message.from, message.body);
+        break;
+      default:
+        break;
+    }
   }
 
   /// A rank has ended its design.
   void accept(int rank, const DesignOutcome& outcome) {
     const PlannedDesign& design = plan().designs.at(outcome.index);
     busy_[static_cast<std::size_t>(rank)].reset();
+    --num_busy_;
     const bool stopped = outcome.kind == DesignOutcome::Kind::stopped;
     const char* event = stopped ? "stopped" : outcome.kind == DesignOutcome::Kind::failed ? "failed" : "done";
-    provenance_->add({event, design.id, std::max(1, provenance_->attempts(design.id)), rank, outcome.host,
+    lines_.push_back({event, design.id, std::max(1, provenance_->attempts(design.id)), rank, outcome.host,
                       outcome.wall_s, outcome.cpu_s, "", ""});
+    if (!outcome.note.empty()) reporter_.info(fmt::format("design {}: {}", design.id, outcome.note));
     if (stopped) {
       pending_.push_front(outcome.index);
       stop(fmt::format("rank {} was asked to stop", rank));
@@ -351,8 +490,10 @@ class Master {
     if (!index) return;
     const std::string& id = plan().designs[*index].id;
     index.reset();
+    --num_busy_;
     try {
-      provenance_->add({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
+      lines_.push_back({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
+      flush();
     } catch (const WriteError&) {
     }
   }
@@ -385,9 +526,10 @@ class Master {
       findings = find(study_, plan(), row_of());
       attempt([&] { write_findings(findings); });
     }
-    if (num_gone_ == farm_.size() - 1)
+    if (options_.survive) say_end();
+    if (num_dead_ == 0 && num_gone_ == farm_.size() - 1)
       farm_.close();
-    else
+    else if (num_gone_ < farm_.size() - 1)
       reporter_.warn(fmt::format("{} ranks do not answer and are left to the launcher", farm_.size() - 1 - num_gone_));
 
     SweepOutcome outcome;
@@ -403,6 +545,17 @@ class Master {
       reporter_.info(fmt::format("stopped early: {}what is stored stays; run the same command again to go on",
                                  stocked_ ? fmt::format("{} of {} designs are done; ", num_rows_, rows_.size()) : ""));
     return outcome;
+  }
+
+  /// Only when nobody has died MPI can be ended, as that waits for all.
+  void say_end() {
+    const bool all = num_dead_ == 0 && num_gone_ == farm_.size() - 1;
+    for (int rank = 1; rank < farm_.size(); ++rank) farm_.send(rank, Tag::end, all ? "1" : "0");
+    // Out before we leave; what is for the dead stays.
+    for (int i = 0; i < 100; ++i) {
+      farm_.poll();
+      Farm::nap();
+    }
   }
 
   ResultTable table() const {
@@ -433,11 +586,7 @@ class Master {
 
   // --- numbers for people
 
-  std::size_t num_busy() const {
-    return static_cast<std::size_t>(
-        std::count_if(busy_.begin(), busy_.end(), [](const auto& b) { return b.has_value(); }));
-  }
-  SweepCounts counts() const { return {num_rows_, plan().designs.size(), done_now_, num_busy()}; }
+  SweepCounts counts() const { return {num_rows_, plan().designs.size(), done_now_, num_busy_}; }
 
   /// Once a second into the lock file, for `status`.
   void tell_status(const std::string& phase) {
@@ -452,22 +601,29 @@ class Master {
   Farm& farm_;
   const Study& study_;
   Planner planner_;
-  int threads_;
+  const SweepOptions& options_;
   Store store_;
   Reporter reporter_;
   std::optional<Provenance> provenance_;
+  std::optional<Casualties> casualties_;
   DrumState warm_;
   bool steady_ = false;
   std::vector<std::optional<ResultRow>> rows_;    ///< (num_designs) of the table
   std::deque<std::size_t> pending_;               ///< designs to simulate
   std::vector<std::optional<std::size_t>> busy_;  ///< (num_ranks) what each is at
-  std::size_t num_rows_ = 0, num_impossible_ = 0, done_now_ = 0;
-  double fit_s_ = 0;  ///< rank 0 has spent on fits
-  int num_gone_ = 0;  ///< ranks that said bye
+  std::size_t done_now_ = 0, num_rows_ = 0, num_busy_ = 0;
+  std::vector<ProvenanceLine> lines_;                ///< not yet durable ...
+  std::vector<std::pair<int, std::string>> orders_;  ///< ... and what ranks will hear when they are
+  RollCall roll_;
+  int num_gone_ = 0;  ///< ranks that said bye, or have died
+  int num_dead_ = 0;
+  bool dedicated_ = false;
+  int checkpoints_passed_on_ = num_checkpoint_requests();
+  std::optional<Clock::time_point> stop_at_;
   bool dismissed_ = false;
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
   std::string stop_cause_;
-  Clock::time_point table_written_{}, told_{};
+  Clock::time_point table_written_{}, told_{}, roll_called_{};
 };
 
 /// Tells the others to leave when this rank cannot even begin, so that nobody waits for it.
@@ -497,7 +653,7 @@ SweepOutcome run_sweep(Farm& farm, const SweepOptions& options) {
     const std::string folder =
         options.output.empty() ? std::filesystem::path(options.study_path).stem().string() + "_result" : options.output;
     // The other ranks may have another current folder.
-    return Master(farm, study, std::filesystem::absolute(folder).lexically_normal().string(), options.threads).run();
+    return Master(farm, study, std::filesystem::absolute(folder).lexically_normal().string(), options).run();
   } catch (...) {
     send_home(farm);
     throw;

@@ -82,24 +82,55 @@ std::vector<ProvenanceLine> read_provenance(const std::string& path) {
   return lines;
 }
 
-Provenance::Provenance(std::string path) : path_(std::move(path)), lines_(read_provenance(path_)) {
+Provenance::Provenance(std::string path) : path_(std::move(path)) {
+  for (const ProvenanceLine& line : read_provenance(path_)) index(line);
   const std::string text = whole_text(path_);
   if (text.empty()) append_durably(path_, header);
   if (!text.empty() && text.back() != '\n') append_durably(path_, "\n");
 }
 
-void Provenance::add(ProvenanceLine line) {
-  line.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  line.program_version = DRUMSWEEP_VERSION;
-  append_durably(path_, fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{}\n", line.time_utc, line.event, line.design_id,
-                                    line.attempt, line.rank, line.host, line.wall_s, line.cpu_s, line.program_version));
-  lines_.push_back(std::move(line));
+void Provenance::add(ProvenanceLine line) { add(std::vector{std::move(line)}); }
+
+void Provenance::add(std::vector<ProvenanceLine> lines) {
+  std::string text;
+  for (ProvenanceLine& line : lines) {
+    line.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    line.program_version = DRUMSWEEP_VERSION;
+    text += fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{}\n", line.time_utc, line.event, line.design_id, line.attempt,
+                        line.rank, line.host, line.wall_s, line.cpu_s, line.program_version);
+  }
+  append_durably(path_, text);
+  for (const ProvenanceLine& line : lines) index(line);
 }
 
-int Provenance::attempts(const std::string& design_id) const {
-  return static_cast<int>(std::count_if(lines_.begin(), lines_.end(), [&](const ProvenanceLine& line) {
-    return line.design_id == design_id && line.event == "started";
-  }));
+void Provenance::index(const ProvenanceLine& line) {
+  if (line.design_id.empty()) return;
+  DesignHistory& design = histories_[line.design_id];
+  design.open = line.event == "started";
+  if (line.event == "started") {
+    ++design.attempts;
+  } else if (line.event == "crashed") {
+    ++design.crashes;
+  } else if (line.event == "lost") {
+    design.lost.push_back(line.attempt);
+  } else if (line.event != "aborted") {
+    design.lost.clear();
+    if (line.event == "retry") design.crashes = 0;
+  }
+}
+
+const DesignHistory& Provenance::history(const std::string& design_id) const {
+  static const DesignHistory none;
+  const auto found = histories_.find(design_id);
+  return found == histories_.end() ? none : found->second;
+}
+
+std::vector<std::string> Provenance::open_designs() const {
+  std::vector<std::string> ids;
+  for (const auto& [id, history] : histories_)
+    if (history.open) ids.push_back(id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 }  // namespace drumsweep

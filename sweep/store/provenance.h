@@ -3,13 +3,23 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace drumsweep {
 
-/// One event. A design that was begun has a line "started"; what became of it follows, unless its process died.
+/// One event. A design that was begun has a line "started"; what became of it follows, at the latest when the next run
+/// begins.
+///
+///   started   handed to a rank; durable before the rank hears of it
+///   done, failed, stopped
+///   crashed   its process died of a signal of its own (SIGSEGV ...), see crash_note.h
+///   lost      its process was gone and nothing says why (kill -9, memory, power)
+///   aborted   its process was ended because another one had crashed
+///   retry     the user wants it tried again: what it did before does not count any more
+///   warm_up
 struct ProvenanceLine {
-  std::string event;      ///< started, done, failed, stopped, warm_up
+  std::string event;
   std::string design_id;  ///< empty for the warm-up
   int attempt = 1;        ///< of this design, from 1
   int rank = 0;
@@ -20,20 +30,35 @@ struct ProvenanceLine {
   std::string program_version;  ///< filled in by add()
 };
 
+/// What the lines say of one design.
+struct DesignHistory {
+  int attempts = 0;       ///< lines "started"
+  bool open = false;      ///< the last of them has no end yet
+  int crashes = 0;        ///< since the last "retry"
+  std::vector<int> lost;  ///< attempts that were lost since the last that was not, or the last "retry"
+};
+
+/// All questions are answered from an index: 10,000 designs must not cost their square.
 class Provenance {
  public:
-  /// Reads what is there, for the attempts; a line torn by a crash is ignored and the next one begins on a line of its
+  /// Reads what is there, for the histories; a line torn by a crash is ignored and the next one begins on a line of its
   /// own. @throws WriteError
   explicit Provenance(std::string path);
   /// Appends one line and makes it durable. @throws WriteError
   void add(ProvenanceLine line);
+  /// The same for several, in this order, with one write.
+  void add(std::vector<ProvenanceLine> lines);
   /// Lines "started" of this design so far.
-  int attempts(const std::string& design_id) const;
-  const std::vector<ProvenanceLine>& lines() const { return lines_; }
+  int attempts(const std::string& design_id) const { return history(design_id).attempts; }
+  const DesignHistory& history(const std::string& design_id) const;
+  /// Designs whose last attempt has no end, sorted.
+  std::vector<std::string> open_designs() const;
 
  private:
+  void index(const ProvenanceLine& line);
+
   std::string path_;
-  std::vector<ProvenanceLine> lines_;
+  std::unordered_map<std::string, DesignHistory> histories_;
 };
 
 /// Whole lines of the file, none when there is no file.

@@ -4,6 +4,9 @@
 ///   warm_state.h5     warm drum, sealed; during the warm-up its last window
 ///   designs/ID.h5     recording of one design, sealed, written once by the rank that simulated it
 ///   designs/ID.failed why a design cannot be simulated; delete it to have it tried again
+///   designs/ID.part   state inside a design that is not done, sealed; gone when it is
+///   designs/ID.crashed  left by a process that died of a signal of its own at this design
+///   quarantine/       designs that kill their process, to be reproduced; see casualties.h
 ///   results.csv       rebuilt from all of the above, never read back by a run
 ///   findings.toml     what searches have decided, the optimum and its error; rebuilt like the table
 ///   provenance.csv    see provenance.h
@@ -39,6 +42,9 @@ struct OutputPaths {
   std::string designs() const { return folder + "/designs"; }
   std::string recording(const std::string& id) const { return designs() + "/" + id + ".h5"; }
   std::string failure(const std::string& id) const { return designs() + "/" + id + ".failed"; }
+  std::string checkpoint(const std::string& id) const { return designs() + "/" + id + ".part"; }
+  std::string crash(const std::string& id) const { return designs() + "/" + id + ".crashed"; }
+  std::string quarantine() const { return folder + "/quarantine"; }
 };
 
 /// A folder opened for a run: made if need be, locked, cleared of *.tmp, its frozen study brought up to date.

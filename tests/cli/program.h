@@ -66,6 +66,8 @@ class Program {
     ::dup2(err, STDERR_FILENO);
     if (::chdir(folder.path.c_str()) != 0) ::_exit(126);
     ::setenv("TMPDIR", (folder / "tmp").c_str(), 1);
+    // Threads that spin for each other on a busy machine multiply the time of a warm-up.
+    ::setenv("OMP_WAIT_POLICY", "passive", 1);
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     std::vector<char*> pointers;
@@ -101,6 +103,7 @@ class Program {
     return code_ < 0;
   }
   void signal(int number) const { ::kill(pid_, number); }
+  pid_t pid() const { return pid_; }
 
   /// kill -9 of it and of its children (the ranks under mpirun), at once.
   void kill_all() {

@@ -68,12 +68,19 @@ TEST(Restart, an_interrupted_warm_up_ends_in_the_same_state) {
   Study study = small_drum();
   WarmState kept;
   int steps = 0;
-  const auto save = [&](const WarmState& w) { kept = unpack_warm_state(pack_warm_state(study, w), study, "memory"); };
-  EXPECT_FALSE(warm_up(
-      study, kept, [&](const Progress&) { return ++steps < 450; }, save));
+  // Stopped inside windows, each time going on from the file.
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(warm_up(study, kept, [&](const Progress&) { return ++steps % 150 != 0; }, {}));
+    kept = unpack_warm_state(pack_warm_state(study, kept), study, "memory");
+  }
+  EXPECT_EQ(kept.state.num_steps, 450);
   EXPECT_FALSE(kept.finished);
   WarmState again = kept;
   EXPECT_TRUE(warm_up(study, again, {}, {}));
+  for (std::size_t i = 0; i < again.windows.size(); ++i) {
+    EXPECT_EQ(again.windows[i].fed, warm().windows[i].fed);
+    EXPECT_EQ(again.windows[i].left, warm().windows[i].left);
+  }
   EXPECT_EQ(state_hash(again.state), state_hash(warm().state));
   EXPECT_EQ(again.windows.size(), warm().windows.size());
 }
@@ -90,6 +97,22 @@ TEST(DesignRun, is_a_function_of_study_and_design_alone_and_its_mass_balance_clo
     EXPECT_GE(l.time, one.begin_s);
     EXPECT_NE(l.exit, 0);
   }
+}
+
+TEST(DesignRun, interrupted_anywhere_and_continued_from_its_file_gives_the_same_recording_to_the_byte) {
+  const Study study = small_drum();
+  const Recording straight = run_design(study, warm().state, wider, {});
+  DesignProgress progress;
+  int steps = 0, parts = 0;
+  Recording resumed;
+  do {
+    resumed = continue_design(study, warm().state, wider, progress, [&](const Progress&) { return ++steps % 37 != 0; });
+    progress =
+        unpack_progress(pack_progress(study, "x", wider, progress, ++parts), study, "x", wider, "memory").progress;
+  } while (resumed.stopped);
+  EXPECT_GT(parts, 5);
+  EXPECT_EQ(resumed.hash, straight.hash);
+  EXPECT_EQ(pack_recording(study, "x", wider, resumed), pack_recording(study, "x", wider, straight));
 }
 
 TEST(DesignRun, open_belt_edges_count_what_falls_past_them_as_spilled) {

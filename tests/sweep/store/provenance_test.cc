@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -38,6 +39,45 @@ TEST_F(ProvenanceTest, lines_come_back_and_attempts_are_counted_over_runs) {
   EXPECT_EQ(lines[2].attempt, 2);
   EXPECT_EQ(second.attempts("aaaaaaaaaa"), 2);
   EXPECT_EQ(second.attempts("bbbbbbbbbb"), 0);
+}
+
+TEST_F(ProvenanceTest, a_history_tells_open_crashed_and_lost_attempts_and_retry_forgets_them) {
+  Provenance ledger(path);
+  const auto add = [&](const char* event, const char* id, int attempt) {
+    ledger.add({event, id, attempt, 0, "n", 0, 0, "", ""});
+  };
+  add("started", "aaaaaaaaaa", 1);
+  add("started", "bbbbbbbbbb", 1);
+  EXPECT_EQ(ledger.open_designs(), (std::vector<std::string>{"aaaaaaaaaa", "bbbbbbbbbb"}));
+  add("crashed", "aaaaaaaaaa", 1);
+  add("lost", "bbbbbbbbbb", 1);
+  add("started", "bbbbbbbbbb", 2);
+  add("aborted", "bbbbbbbbbb", 2);
+  add("started", "bbbbbbbbbb", 3);
+  add("lost", "bbbbbbbbbb", 3);
+  const Provenance again(path);
+  EXPECT_TRUE(again.open_designs().empty());
+  EXPECT_EQ(again.history("aaaaaaaaaa").crashes, 1);
+  EXPECT_EQ(again.history("bbbbbbbbbb").lost, (std::vector<int>{1, 3}));
+  EXPECT_EQ(again.history("bbbbbbbbbb").attempts, 3);
+  add("retry", "aaaaaaaaaa", 1);
+  add("stopped", "bbbbbbbbbb", 4);
+  EXPECT_EQ(ledger.history("aaaaaaaaaa").crashes, 0);
+  EXPECT_TRUE(ledger.history("bbbbbbbbbb").lost.empty());
+}
+
+TEST_F(ProvenanceTest, a_hundred_thousand_lines_answer_in_no_time) {
+  {
+    std::ofstream stream(path);
+    stream << "time_utc,event,design_id,attempt,rank,host,wall_s,cpu_s,program_version\n";
+    for (int i = 0; i < 100000; ++i) stream << "t,started," << 1000000000 + i << ",1,0,n,0,0,v\n";
+  }
+  const Provenance ledger(path);
+  const auto begin = std::chrono::steady_clock::now();
+  int sum = 0;
+  for (int i = 0; i < 100000; ++i) sum += ledger.attempts(std::to_string(1000000000 + i));
+  EXPECT_EQ(sum, 100000);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
 }
 
 TEST_F(ProvenanceTest, a_torn_last_line_is_ignored_wherever_it_is_torn_and_does_not_spoil_the_next) {
