@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -56,9 +57,20 @@ bool first_copy() {
   return true;
 }
 
+/// Open MPI would end the process with a page of text of its own.
+void expect_pmi() {
+  const char* tasks = std::getenv("SLURM_STEP_NUM_TASKS");
+  if (tasks == nullptr || std::string(tasks) == "1") return;
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"})
+    if (std::getenv(name) != nullptr) return;
+  throw std::runtime_error(fmt::format(
+      "srun has started {} processes without PMIx, so they do not see each other: srun --mpi=pmix, or mpirun", tasks));
+}
+
 int doctor(const Options& options) {
   DoctorReport report;
   try {
+    expect_pmi();
     Farm farm;
     if (farm.rank() != 0) {
       // Rank 0 speaks for all.
@@ -69,8 +81,8 @@ int doctor(const Options& options) {
   } catch (const std::exception& error) {
     if (!first_copy()) return exit_usage;
     report.findings = examine_surroundings(true);
-    report.findings.insert(report.findings.begin(),
-                           {Finding::Level::problem, "ranks", error.what(), "see cluster/README.md, \"Build\""});
+    report.findings.insert(report.findings.begin(), {Finding::Level::problem, "ranks", error.what(),
+                                                     "see cluster/README.md, \"When it does not start\""});
   }
   options.json ? print_json(report) : print_text(report);
   return report.usable() ? exit_done : exit_usage;

@@ -38,7 +38,7 @@ fi
 
 # USR2 asks drumsweep to stop within a time step. A shell that gets a signal leaves `wait`, so it waits again.
 job='' signalled='' cancelled=''
-trap 'signalled=1; say "the time limit is near, stopping"; [ -z "$job" ] || kill -USR2 "$job"' USR2
+trap 'signalled=1; say "the time limit is near, stopping"; [ -z "$job" ] || kill -USR2 "$job" 2>/dev/null' USR2
 trap 'signalled=1; cancelled=1; say "Slurm ends the job"' TERM
 "${launch[@]}" "$program" run "$study" -o "$out" --threads @threads@ &
 job=$!

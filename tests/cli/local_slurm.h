@@ -71,13 +71,17 @@ class LocalSlurm {
   /// Waits for the job to be in the queue again, and lets it start soon rather than after Slurm's delay, with time
   /// enough. Asks repeatedly, as Slurm sets the delay once more when it has tidied up after the first start.
   bool restart_requeued(const std::string& job) const {
-    return eventually([&] {
+    const bool restarted = eventually([&] {
       if (about(job, "Restarts") != "1") return false;
-      if (about(job, "JobState") == "RUNNING") return true;
+      const std::string state = about(job, "JobState");
+      if (state == "RUNNING" || state == "COMPLETED") return true;
       if (about(job, "Reason") == "BeginTime")
         ask({"scontrol", "update", "JobId=" + job, "StartTime=now", "TimeLimit=10"});
       return false;
     });
+    EXPECT_TRUE(restarted) << ask({"scontrol", "show", "job", job}) << ask({"scontrol", "show", "node"})
+                           << file_text(folder_ / "log");
+    return restarted;
   }
 
   /// State in which the job has ended.

@@ -81,7 +81,7 @@ TEST(Slurm, a_job_that_reaches_its_time_limit_is_requeued_and_gives_the_undistur
 TEST(Slurm, a_killed_rank_leads_back_into_the_queue_and_a_cancelled_job_does_not) {
   NEEDS_SLURM();
   const TestFolder folder;
-  print_job(folder, tiny_study(40, 2));
+  print_job(folder, tiny_study(120, 2));
   if (HasFatalFailure()) return;
   LocalSlurm slurm;
   const std::string job = slurm.submit(folder, {"job.sh"});
@@ -119,6 +119,12 @@ TEST(Slurm, a_job_that_would_fail_again_is_not_requeued) {
   EXPECT_EQ(slurm.wait_for_end(unfit), "FAILED") << log();
   EXPECT_EQ(slurm.about(unfit, "ExitCode"), "2:0") << log();
   EXPECT_EQ(slurm.about(unfit, "Restarts"), "0");
+
+  // Copies that do not know each other: the doctor says so, once, before MPI ends them.
+  Program copies(folder, {"srun", "--ntasks=2", "--mpi=none", DRUMSWEEP_BINARY, "doctor"});
+  EXPECT_EQ(copies.wait(), 2) << copies.out();
+  EXPECT_TRUE(said(copies.out(), "srun has started 2 processes without PMIx")) << copies.out();
+  EXPECT_EQ(copies.out().find("NOT USABLE"), copies.out().rfind("NOT USABLE"));
 }
 
 }  // namespace
