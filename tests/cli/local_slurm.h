@@ -69,10 +69,11 @@ class LocalSlurm {
   }
 
   /// Waits for the job to be in the queue again, and lets it start soon rather than after Slurm's delay, with time
-  /// enough. Asks repeatedly, as Slurm sets the delay once more when it has tidied up after the first start.
+  /// enough. Not within the second of the requeue: Slurm would kill it with "Job credential revoked". Asks repeatedly,
+  /// as Slurm sets the delay once more when it has tidied up after the first start.
   bool restart_requeued(const std::string& job) const {
+    if (eventually([&] { return about(job, "Restarts") == "1"; })) sleep_ms(3000);
     const bool restarted = eventually([&] {
-      if (about(job, "Restarts") != "1") return false;
       const std::string state = about(job, "JobState");
       if (state == "RUNNING" || state == "COMPLETED") return true;
       if (about(job, "Reason") == "BeginTime")

@@ -81,19 +81,19 @@ TEST(Slurm, a_job_that_reaches_its_time_limit_is_requeued_and_gives_the_undistur
 TEST(Slurm, a_killed_rank_leads_back_into_the_queue_and_a_cancelled_job_does_not) {
   NEEDS_SLURM();
   const TestFolder folder;
-  print_job(folder, tiny_study(120, 2));
+  print_job(folder, tiny_study(80, 2));
   if (HasFatalFailure()) return;
   LocalSlurm slurm;
   const std::string job = slurm.submit(folder, {"job.sh"});
   const auto log = [&] { return file_text(folder / "out.log"); };
-  ASSERT_TRUE(wait_until([&] { return count_files(folder / "out/designs", ".h5") > 0; })) << log();
+  ASSERT_TRUE(slurm.eventually([&] { return count_files(folder / "out/designs", ".h5") > 0; })) << log();
   for (const pid_t rank : ranks_of(folder / "out")) ::kill(rank, SIGKILL);
   ASSERT_TRUE(slurm.restart_requeued(job)) << log();
-  ASSERT_TRUE(wait_until([&] { return said(log(), "are there already"); })) << log();
+  ASSERT_TRUE(slurm.eventually([&] { return said(log(), "are there already"); })) << log();
 
   slurm.ask({"scancel", job});
   EXPECT_EQ(slurm.wait_for_end(job), "CANCELLED") << log();
-  EXPECT_TRUE(wait_until([&] { return said(log(), "not finished; submit this script again"); })) << log();
+  EXPECT_TRUE(slurm.eventually([&] { return said(log(), "not finished; submit this script again"); })) << log();
   EXPECT_EQ(slurm.about(job, "Restarts"), "1");
   EXPECT_EQ(slurm.ask({"squeue", "-h"}), "");
 }
