@@ -17,7 +17,9 @@
 #include "sweep/progress.h"
 #include "sweep/stop.h"
 #include "sweep/store/provenance.h"
+#include "sweep/store/recordings.h"
 #include "sweep/store/results.h"
+#include "sweep/store/results_image.h"
 #include "sweep/store/store.h"
 #include "sweep/sweep.h"
 
@@ -38,7 +40,13 @@ constexpr double table_interval_s = 10.0;
 class Master {
  public:
   Master(Farm& farm, const Study& study, const Plan& plan, const std::string& folder, int threads)
-      : farm_(farm), study_(study), plan_(plan), threads_(threads), store_(folder, study), rows_(plan.designs.size()) {
+      : farm_(farm),
+        study_(study),
+        plan_(plan),
+        threads_(threads),
+        store_(folder, study),
+        recordings_(store_.paths()),
+        rows_(plan.designs.size()) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
     busy_.resize(static_cast<std::size_t>(farm.size()));
@@ -49,11 +57,12 @@ class Master {
                                plan_.designs.size(), farm_.size(), farm_.size() == 1 ? "" : "s",
                                store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
+    provenance_->add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
     try {
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
       if (!stopping()) take_stock();
-      write_table();
+      write_tables();
       if (!stopping() && !pending_.empty()) {
         farm_.send_all(Tag::warm, std::to_string(warm_bytes.size()));
         std::string bytes = warm_bytes;
@@ -124,13 +133,15 @@ class Master {
   // --- what is there, what is missing
 
   void take_stock() {
+    known_ = KnownRows(store_.paths().results_image(), study_, steady_);
+    known_.confirm(recordings_, study_, plan_, steady_);
     for (std::size_t i = 0; i < plan_.designs.size() && !stopping(); ++i) {
       const PlannedDesign& design = plan_.designs[i];
       if (!design.impossible.empty()) {
         rows_[i] = failed_row(design, design.impossible);
       } else if (!load_row(i)) {
         pending_.push_back(i);
-      } else if (rows_[i]->state == "failed" && has_failure(store_.paths(), design.id)) {
+      } else if (rows_[i]->state == "failed" && recordings_.has_failure(design.id)) {
         reporter_.info(fmt::format("design {} has failed before ({}); to have it tried again delete {}", design.id,
                                    rows_[i]->reason, store_.paths().failure(design.id)));
       }
@@ -141,17 +152,17 @@ class Master {
       reporter_.info(fmt::format("{} of {} designs are there already", stored, plan_.designs.size()));
   }
 
-  /// Row of a stored design; false when nothing usable is stored.
+  /// Row of a stored design; false when nothing usable is stored. What a damaged pack still has is found at the second
+  /// look.
   bool load_row(std::size_t i) {
     const PlannedDesign& design = plan_.designs[i];
-    try {
-      const StoredDesign stored = read_design(store_.paths(), study_, design);
-      if (stored.recording) rows_[i] = evaluated_row(study_, design, *stored.recording, steady_);
-      if (stored.failure) rows_[i] = failed_row(design, *stored.failure);
-    } catch (const StoreError& error) {
-      const bool recording = has_recording(store_.paths(), design.id);
-      reporter_.warn(
-          set_aside(recording ? store_.paths().recording(design.id) : store_.paths().failure(design.id), error.what()));
+    for (int look = 0; look < 2 && !rows_[i]; ++look) {
+      try {
+        rows_[i] = stored_row(recordings_, known_, study_, design, steady_);
+        break;
+      } catch (const StoreError& error) {
+        reporter_.warn(recordings_.set_aside(design.id, error.what()));
+      }
     }
     return rows_[i].has_value();
   }
@@ -253,7 +264,7 @@ class Master {
 
     // The row comes from the file, so what is called done is what can be read.
     const auto begin = Clock::now();
-    while (!has_recording(store_.paths(), design.id) && !has_failure(store_.paths(), design.id)) {
+    while (!has_loose_recording(store_.paths(), design.id) && !has_failure(store_.paths(), design.id)) {
       if (seconds_since(begin) > visibility_s || stop_requested())
         throw WriteError(
             fmt::format("{}: not visible on {} though rank {} on {} has written it; is the output folder on a "
@@ -261,6 +272,7 @@ class Master {
                         store_.paths().recording(design.id), farm_.host(), rank, outcome.host));
       Farm::nap();
     }
+    recordings_.look_again(design.id);
     if (!load_row(outcome.index))
       throw WriteError(store_.paths().recording(design.id) + ": was written, yet is damaged");
     ++done_now_;
@@ -271,7 +283,7 @@ class Master {
                                design.id, drumsweep::describe(plan_, design),
                                row.state == "untrusted" ? "untrusted, " : "", result, outcome.wall_s, rank));
     if (row.lost_balls > 0) reporter_.warn(fmt::format("design {}: {} balls were lost", design.id, row.lost_balls));
-    if (seconds_since(table_written_) > table_interval_s) write_table();
+    if (seconds_since(table_written_) > table_interval_s) write_tables();
   }
 
   // --- the end
@@ -311,7 +323,7 @@ class Master {
         stop(error.what());
       }
     };
-    attempt([&] { write_table(); });
+    attempt([&] { write_tables(); });
     dismiss();
     const auto begin = Clock::now();
     const std::size_t rows_before = num_rows();
@@ -319,7 +331,8 @@ class Master {
       attempt([&] { poll_ranks(); });
       Farm::nap();
     }
-    if (num_rows() != rows_before) attempt([&] { write_table(); });
+    if (num_rows() != rows_before) attempt([&] { write_tables(); });
+    attempt([&] { provenance_->add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
     if (num_gone_ == farm_.size() - 1)
       farm_.close();
     else
@@ -346,11 +359,17 @@ class Master {
     return out;
   }
 
-  /// Rebuilds results.csv where it is not the same already. Not before all stored designs have been looked at: a stop
-  /// during that must not shorten the table.
-  void write_table() {
+  /// Rebuilds results.csv and results.h5 where they are not the same already, and packs recordings once there are many.
+  /// Not before all stored designs have been looked at: a stop during that must not shorten the table.
+  void write_tables() {
     table_written_ = Clock::now();
-    const std::string path = store_.paths().results(), text = to_csv(table());
+    replace(store_.paths().results(), to_csv(table()));
+    replace(store_.paths().results_image(), pack_results(study_, table(), steady_, recordings_, provenance_->lines()));
+    if (!stocked_) return;
+    for (const std::string& note : recordings_.pack()) reporter_.info(note);
+  }
+
+  void replace(const std::string& path, const std::string& text) const {
     std::error_code error;
     const bool there = std::filesystem::exists(path, error);
     if (there && (!stocked_ || read_whole_file(path) == text)) return;
@@ -384,6 +403,8 @@ class Master {
   const Plan& plan_;
   int threads_;
   Store store_;
+  RecordingIndex recordings_;
+  KnownRows known_;  ///< from results.h5 of an earlier run
   Reporter reporter_;
   std::optional<Provenance> provenance_;
   DrumState warm_;

@@ -7,17 +7,19 @@
 
 namespace drumsweep {
 
-/// One event. A design that was begun has a line "started"; what became of it follows, unless its process died.
+/// One event. A run has a line "run_begin", and "run_end" unless its process died. A design that was begun has a line
+/// "started"; what became of it follows, unless its process died.
 struct ProvenanceLine {
-  std::string event;      ///< started, done, failed, stopped, warm_up
-  std::string design_id;  ///< empty for the warm-up
+  std::string event;      ///< run_begin, run_end, warm_up, started, done, failed, stopped
+  std::string design_id;  ///< empty for run and warm-up
   int attempt = 1;        ///< of this design, from 1
   int rank = 0;
   std::string host;
   double wall_s = 0;
   double cpu_s = 0;
-  std::string time_utc;         ///< filled in by add()
+  std::string time_utc;         ///< filled in by add(), to the millisecond
   std::string program_version;  ///< filled in by add()
+  int ranks = 0;                ///< run_begin: of the run
 };
 
 class Provenance {
@@ -38,5 +40,9 @@ class Provenance {
 
 /// Whole lines of the file, none when there is no file.
 std::vector<ProvenanceLine> read_provenance(const std::string& path);
+
+/// Seconds since 1970 of a time_utc; NaN when it is not one.
+double seconds_of(const std::string& time_utc);
+double now_s();
 
 }  // namespace drumsweep
