@@ -137,8 +137,9 @@ std::string chart_of(const RunTimeline& run, std::size_t columns) {
   }
   std::string text;
   for (const RankTimeline* rank : rows) {
-    const std::string label = fmt::format("{:>5} ", rank->rank),
-                      share = fmt::format(" {:5.1f} % busy", 100 * (1 - rank->idle_share));
+    const std::string label = fmt::format("{:>5} ", rank->rank);
+    const std::string share =
+        run.designs_s > 0 ? fmt::format(" {:5.1f} % busy", 100 * (1 - rank->idle_share)) : "  no designs";
     const std::size_t width = std::max<std::size_t>(10, columns - std::min(columns, label.size() + share.size() + 1));
     text += label + (run.wall_s > 0 ? bar_of(run, *rank, width) : "") + share + "\n";
   }

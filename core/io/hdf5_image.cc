@@ -45,11 +45,12 @@ hid_t type_of<std::int64_t>() {
   return H5T_NATIVE_INT64;
 }
 
-/// Fixed length; ASCII where the text is, as the units module of H5MD asks for.
-hid_t text_type(std::size_t length, bool ascii) {
+/// Fixed length; ASCII where the text is, as the units module of H5MD asks for. A single text fills its length, of
+/// several the shorter ones end with a zero.
+hid_t text_type(std::size_t length, bool ascii, bool single) {
   const hid_t type = H5Tcopy(H5T_C_S1);
   check(H5Tset_size(type, std::max<std::size_t>(1, length)), "string size");
-  check(H5Tset_strpad(type, H5T_STR_NULLPAD), "string padding");
+  check(H5Tset_strpad(type, single ? H5T_STR_NULLPAD : H5T_STR_NULLTERM), "string padding");
   check(H5Tset_cset(type, ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8), "string encoding");
   return type;
 }
@@ -58,14 +59,14 @@ bool is_ascii(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
-/// Texts behind one another, each padded with zeros to the longest.
+/// Texts behind one another, each padded with zeros to one more than the longest.
 struct PaddedTexts {
   std::size_t length = 1;
   bool ascii = true;
   std::string bytes;
   explicit PaddedTexts(const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
-      length = std::max(length, text.size());
+      length = std::max(length, text.size() + 1);
       ascii = ascii && is_ascii(text);
     }
     for (const std::string& text : texts) bytes += text + std::string(length - text.size(), '\0');
@@ -79,7 +80,7 @@ void write_attribute(hid_t object, const std::string& name, hid_t type, hid_t sp
 }
 
 void write_text(hid_t object, const std::string& name, const std::string& value) {
-  const Handle type(text_type(value.size(), is_ascii(value)), H5Tclose, "string type");
+  const Handle type(text_type(value.size(), is_ascii(value), true), H5Tclose, "string type");
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "dataspace");
   write_attribute(object, name, type, space, value.empty() ? "\0" : value.data());
 }
@@ -90,25 +91,32 @@ void write_scalar(hid_t object, const std::string& name, T value) {
   write_attribute(object, name, type_of<T>(), space, &value);
 }
 
+/// Makes the groups of a path, all of it or up to its last part. Not left to the library: groups that it makes on the
+/// way carry the time.
+void make_groups(hid_t file, const std::string& path, bool last_too) {
+  const Handle options(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "property list");
+  check(H5Pset_obj_track_times(options, false), "track times");
+  for (std::size_t end = path.find('/', 1); end != std::string::npos || last_too; end = path.find('/', end + 1)) {
+    const std::string part = path.substr(0, end);
+    if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0)
+      Handle(H5Gcreate2(file, part.c_str(), H5P_DEFAULT, options, H5P_DEFAULT), H5Gclose, "group " + part);
+    if (end == std::string::npos) break;
+  }
+}
+
 /// New dataset; groups in its name are made.
 hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
+  make_groups(file, name, false);
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "dataspace");
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "property list");
-  check(H5Pset_create_intermediate_group(links, 1), "intermediate groups");
   const Handle options(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "property list");
   check(H5Pset_obj_track_times(options, false), "track times");
-  return H5Dcreate2(file, name.c_str(), type, space, links, options, H5P_DEFAULT);
+  return H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, options, H5P_DEFAULT);
 }
 
 /// The group of that name, made if need be.
 hid_t group_named(hid_t file, const std::string& name) {
-  if (name == "/" || H5Oexists_by_name(file, name.c_str(), H5P_DEFAULT) > 0)
-    return H5Oopen(file, name.c_str(), H5P_DEFAULT);
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "property list");
-  check(H5Pset_create_intermediate_group(links, 1), "intermediate groups");
-  const Handle options(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "property list");
-  check(H5Pset_obj_track_times(options, false), "track times");
-  return H5Gcreate2(file, name.c_str(), links, options, H5P_DEFAULT);
+  if (name != "/") make_groups(file, name, true);
+  return H5Gopen2(file, name.c_str(), H5P_DEFAULT);
 }
 
 }  // namespace
@@ -194,7 +202,7 @@ template void Hdf5Writer::dataset(const std::string&, const std::vector<std::int
 
 void Hdf5Writer::texts(const std::string& name, const std::vector<std::string>& values, const std::string& long_name) {
   const PaddedTexts padded(values);
-  const Handle type(text_type(padded.length, false), H5Tclose, "string type");
+  const Handle type(text_type(padded.length, false, false), H5Tclose, "string type");
   const Handle data(new_dataset(impl_->file, name, type, {values.size()}), H5Dclose, "dataset " + name);
   if (!values.empty()) check(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.bytes.data()), "dataset write");
   write_text(data, "unit", "1");
@@ -202,33 +210,33 @@ void Hdf5Writer::texts(const std::string& name, const std::vector<std::string>& 
 }
 
 void Hdf5Writer::link(const std::string& name, const std::string& existing) {
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "property list");
-  check(H5Pset_create_intermediate_group(links, 1), "intermediate groups");
-  check(H5Lcreate_hard(impl_->file, existing.c_str(), H5L_SAME_LOC, name.c_str(), links, H5P_DEFAULT), "hard link");
+  make_groups(impl_->file, name, false);
+  check(H5Lcreate_hard(impl_->file, existing.c_str(), H5L_SAME_LOC, name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        "hard link");
 }
 
 void Hdf5Writer::attribute(const std::string& name, double value, const std::string& group) {
-  write_scalar(Handle(group_named(impl_->file, group), H5Oclose, "group " + group), name, value);
+  write_scalar(Handle(group_named(impl_->file, group), H5Gclose, "group " + group), name, value);
 }
 void Hdf5Writer::attribute(const std::string& name, std::int64_t value, const std::string& group) {
-  write_scalar(Handle(group_named(impl_->file, group), H5Oclose, "group " + group), name, value);
+  write_scalar(Handle(group_named(impl_->file, group), H5Gclose, "group " + group), name, value);
 }
 void Hdf5Writer::attribute(const std::string& name, const std::string& value, const std::string& group) {
   if (value.size() > longest_attribute)
     throw std::length_error(
         fmt::format("HDF5 attribute {}: {} bytes, at most {} fit", name, value.size(), longest_attribute));
-  write_text(Handle(group_named(impl_->file, group), H5Oclose, "group " + group), name, value);
+  write_text(Handle(group_named(impl_->file, group), H5Gclose, "group " + group), name, value);
 }
 void Hdf5Writer::attribute(const std::string& name, const std::vector<std::int64_t>& values, const std::string& group) {
-  const Handle object(group_named(impl_->file, group), H5Oclose, "group " + group);
+  const Handle object(group_named(impl_->file, group), H5Gclose, "group " + group);
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, "dataspace");
   write_attribute(object, name, H5T_NATIVE_INT64, space, values.data());
 }
 void Hdf5Writer::attribute(const std::string& name, const std::vector<std::string>& values, const std::string& group) {
-  const Handle object(group_named(impl_->file, group), H5Oclose, "group " + group);
+  const Handle object(group_named(impl_->file, group), H5Gclose, "group " + group);
   const PaddedTexts padded(values);
-  const Handle type(text_type(padded.length, padded.ascii), H5Tclose, "string type");
+  const Handle type(text_type(padded.length, padded.ascii, false), H5Tclose, "string type");
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, "dataspace");
   write_attribute(object, name, type, space, padded.bytes.data());

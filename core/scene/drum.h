@@ -66,7 +66,7 @@ struct Recording {
   bool stopped = false;  ///< by the observer; the rest is then incomplete
 };
 
-/// The study with a design's values put in. @throws InputError
+/// The study with a design's values put in, without its stages. @throws InputError
 Study study_of_design(const Study& study, const Design& design);
 
 /// Runs one design: the warm state with its outlet replaced, adaptation, recording of whole turns.

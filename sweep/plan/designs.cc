@@ -66,19 +66,19 @@ bool row_before(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// Values of all columns, and whether such a drum exists.
-void complete(const Study& study, const std::vector<std::string>& keys, PlannedDesign& design) {
-  Study probe = study;
+void complete(StudyProbe& probe, const std::vector<std::string>& keys, PlannedDesign& design) {
   try {
-    for (const auto& [key, value] : design.values) set_number(probe, key, value);
-    validate(probe);
+    for (const auto& [key, value] : design.values) probe.set(key, value);
+    probe.validate();
   } catch (const InputError& error) {
     design.impossible = error.what();
   }
   for (const std::string& key : keys) {
     const auto own = std::find_if(design.values.begin(), design.values.end(),
                                   [&](const auto& key_value) { return key_value.first == key; });
-    design.row.push_back(own != design.values.end() ? own->second : get_number(probe, key));
+    design.row.push_back(own != design.values.end() ? own->second : probe.get(key));
   }
+  probe.reset();
 }
 
 }  // namespace
@@ -112,6 +112,7 @@ Plan plan_designs(const Study& study) {
     plan.columns.push_back(ambiguous ? key : last_part(key));
   }
 
+  StudyProbe probe(study);
   std::map<std::string, std::string> text_of_id;
   for (const StageConfig& stage : study.stages) {
     StageSummary summary{stage.name, 0, 0, 0};
@@ -129,7 +130,7 @@ Plan plan_designs(const Study& study) {
         ++summary.shared;
         continue;
       }
-      complete(study, plan.keys, design);
+      complete(probe, plan.keys, design);
       if (!design.impossible.empty()) ++summary.impossible;
       fresh.push_back(std::move(design));
     }

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -96,6 +97,8 @@ void Provenance::add(ProvenanceLine line) {
   line.time_utc =
       fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
   line.program_version = DRUMSWEEP_VERSION;
+  // As the file has them, so that this process knows what the next one will read.
+  for (double* seconds : {&line.wall_s, &line.cpu_s}) *seconds = std::round(*seconds * 1000) / 1000;
   append_durably(path_, fmt::format("{},{},{},{},{},{},{:.3f},{:.3f},{},{}\n", line.time_utc, line.event,
                                     line.design_id, line.attempt, line.rank, line.host, line.wall_s, line.cpu_s,
                                     line.program_version, line.ranks));

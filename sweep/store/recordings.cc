@@ -159,7 +159,8 @@ std::vector<std::string> RecordingIndex::pack(const PackingRules& rules) {
   for (const auto& [pack, ids] : twice)
     if (holds(pack, ids)) remove_loose(ids);
 
-  while (loose_.size() > rules.most_loose) {
+  std::size_t num_packed = 0, num_packs_made = 0;
+  for (; loose_.size() > rules.most_loose && num_packs_made < rules.most_packs; ++num_packs_made) {
     std::vector<std::string> ids;
     std::uint64_t bytes = 0;
     std::error_code error;
@@ -187,8 +188,9 @@ std::vector<std::string> RecordingIndex::pack(const PackingRules& rules) {
       return said;
     }
     remove_loose(ids);
-    said.push_back(fmt::format("{} recordings packed into {}", ids.size(), pack));
+    num_packed += ids.size();
   }
+  if (num_packed > 0) said.push_back(fmt::format("{} recordings packed into {} files", num_packed, num_packs_made));
   return said;
 }
 

@@ -30,6 +30,7 @@ struct PackingRules {
   std::size_t most_loose = 200;               ///< packing begins when more than these are loose ...
   std::size_t per_pack = 100;                 ///< ... and takes this many at a time, in the order of their names ...
   std::uint64_t bytes_per_pack = 64u << 20u;  ///< ... or fewer, up to this size: it is built in memory
+  std::size_t most_packs = 10;                ///< at a time: about a second during which a run does nothing else
 };
 
 /// What is there, from one look at the folder's names and at the first kilobytes of each pack. Cheap to make: `status`
@@ -60,7 +61,7 @@ class RecordingIndex {
   /// @return the sentence to say. @throws WriteError
   std::string set_aside(const std::string& id, const std::string& why);
 
-  /// Packs until at most `most_loose` are loose. @return what was done, one sentence each. @throws WriteError
+  /// Packs until at most `most_loose` are loose, or `most_packs` were made. @return what was done, in sentences. @throws WriteError
   std::vector<std::string> pack(const PackingRules& rules = {});
 
   // The steps of pack(), in this order.
