@@ -57,7 +57,6 @@ class Master {
                                plan_.designs.size(), farm_.size(), farm_.size() == 1 ? "" : "s",
                                store_.paths().folder));
     for (const std::string& note : store_.notes()) reporter_.warn(note);
-    provenance_->add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
     try {
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
@@ -106,6 +105,7 @@ class Master {
   }
 
   bool fill_drum(const std::string& path, WarmState& warm) {
+    note_begin();
     reporter_.info(warm.windows.empty() ? "warm-up: filling the empty drum"
                                         : fmt::format("warm-up: going on at turn {}", warm.windows.back().turns_end));
     const auto begin = Clock::now();
@@ -170,6 +170,7 @@ class Master {
   // --- handing out
 
   void hand_out() {
+    note_begin();
     for (int rank = 1; rank < farm_.size(); ++rank) give(rank);
     while (!stopping() && (!pending_.empty() || num_busy() > 0)) {
       if (!pending_.empty()) {
@@ -309,6 +310,12 @@ class Master {
     }
   }
 
+  /// A run that finds nothing to compute leaves no trace.
+  void note_begin() {
+    if (!begun_) provenance_->add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
+    begun_ = true;
+  }
+
   void dismiss() {
     if (!dismissed_) farm_.send_all(Tag::stop, "");
     dismissed_ = true;
@@ -332,7 +339,7 @@ class Master {
       Farm::nap();
     }
     if (num_rows() != rows_before) attempt([&] { write_tables(); });
-    attempt([&] { provenance_->add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
+    if (begun_) attempt([&] { provenance_->add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
     if (num_gone_ == farm_.size() - 1)
       farm_.close();
     else
@@ -415,6 +422,7 @@ class Master {
   std::size_t done_now_ = 0;
   int num_gone_ = 0;  ///< ranks that said bye
   bool dismissed_ = false;
+  bool begun_ = false;    ///< there is a line run_begin
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
   std::string stop_cause_;
   Clock::time_point table_written_{}, told_{};

@@ -7,7 +7,7 @@
 
 namespace drumsweep {
 
-/// One event. A run has a line "run_begin", and "run_end" unless its process died. A design that was begun has a line
+/// One event. A run that computes has a line "run_begin", and "run_end" unless its process died. A design that was begun has a line
 /// "started"; what became of it follows, unless its process died.
 struct ProvenanceLine {
   std::string event;      ///< run_begin, run_end, warm_up, started, done, failed, stopped
