@@ -12,7 +12,9 @@
 #include "sweep/plan/findings.h"
 #include "sweep/store/output_lock.h"
 #include "sweep/store/provenance.h"
+#include "sweep/store/recordings.h"
 #include "sweep/store/results.h"
+#include "sweep/store/results_image.h"
 #include "sweep/store/store.h"
 
 namespace drumsweep {
@@ -74,28 +76,29 @@ SweepStatus read_status(const std::string& folder) {
 
   // The last word on each design.
   std::map<std::string, std::string> last_event;
-  for (const ProvenanceLine& line : read_provenance(paths.provenance())) {
+  const std::vector<ProvenanceLine> provenance = read_provenance(paths.provenance());
+  status.timeline = timeline_of(provenance, status.active, now_s());
+  for (const ProvenanceLine& line : provenance) {
     status.cpu_s += line.cpu_s;
     if (!line.design_id.empty()) last_event[line.design_id] = line.event;
   }
 
   // A design has a result when its file is there; the table may be some seconds behind.
   const std::map<std::string, ResultRow> table = rows_of_table(paths);
+  RecordingIndex recordings(paths);
   std::optional<bool> steady;
   std::vector<ResultRow> rows;
   for (const PlannedDesign& design : plan.designs) {
     std::optional<ResultRow> row;
     if (!design.impossible.empty()) {
       row = failed_row(design, design.impossible);
-    } else if (has_recording(paths, design.id) || has_failure(paths, design.id)) {
+    } else if (recordings.has_recording(design.id) || recordings.has_failure(design.id)) {
       if (const auto found = table.find(design.id); found != table.end()) {
         row = found->second;
       } else {
         try {
-          const StoredDesign stored = read_design(paths, study, design);
           if (!steady) steady = read_warm_state(paths.warm_state(), study).value_or(WarmState{}).steady;
-          if (stored.recording) row = evaluated_row(study, design, *stored.recording, *steady);
-          if (stored.failure) row = failed_row(design, *stored.failure);
+          row = stored_row(recordings, {}, study, design, *steady);
         } catch (const std::exception&) {
           // Damaged: the next run sets it aside and simulates the design again.
         }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "postproc/result_table.h"
+#include "sweep/timeline.h"
 
 namespace drumsweep {
 
@@ -30,6 +31,7 @@ struct SweepStatus {
   double cpu_s = 0;       ///< of all attempts so far, the warm-up included
   std::vector<std::string> variable_names;
   std::optional<ResultRow> best;
+  std::vector<RunTimeline> timeline;  ///< of all runs so far
 };
 
 /// @throws InputError when the folder is not a sweep's, MismatchError when it is of another version

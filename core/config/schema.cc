@@ -285,11 +285,10 @@ void validate_physics(const Physics& p, const Where& where) {
        fmt::format("{} is above material.friction = {}", e.dynamic_friction, p.material.friction));
 }
 
-void validate(const Study& study, const Where& where_or_empty) {
-  const Where where = where_or_empty ? where_or_empty : [](const std::string&) { return std::string(); };
-  Study copy = study;
-  validate_values(fields(copy), where);
+namespace {
 
+/// What the tables must satisfy together.
+void validate_together(const Study& study, const Where& where) {
   const auto need = [&](bool ok, const char* key, const std::string& text) {
     if (!ok) throw InputError(where(key) + key + ": " + text);
   };
@@ -316,36 +315,84 @@ void validate(const Study& study, const Where& where_or_empty) {
   need(study.record.turns == std::floor(study.record.turns), "record.turns",
        "whole turns only, so that every slot counts alike");
   need(study.record.replicate == std::floor(study.record.replicate), "record.replicate", "a whole number");
+}
+
+/// Sets a number after a look at its range. Giving the outlet's angle in one unit takes it back in the other.
+void put_number(Study& study, Field& field, double value) {
+  double& target = *std::get<double*>(field.value);
+  const double before = target;
+  target = value;
+  if (!std::isfinite(value) || !complaint(field).empty()) {
+    const std::string text = fmt::format("{} = {}: accepted is {}", field.key, value, accepted(field));
+    target = before;
+    throw InputError(text);
+  }
+  if (field.key == "outlet.opening_angle_deg") study.outlet.opening_angle_rad = not_given;
+  if (field.key == "outlet.opening_angle_rad") study.outlet.opening_angle_deg = not_given;
+}
+
+/// The number of that key. @throws InputError, with the nearest key
+Field& number_field(std::vector<Field>& list, const std::string& key) {
+  std::vector<std::string> keys;
+  for (Field& field : list) {
+    if (!std::holds_alternative<double*>(field.value)) continue;
+    if (field.key == key) return field;
+    keys.push_back(field.key);
+  }
+  const std::string near = did_you_mean(key, keys);
+  throw InputError(fmt::format("{}: no such numeric key{}", key, near.empty() ? "" : "; did you mean " + near + "?"));
+}
+
+}  // namespace
+
+void validate(const Study& study, const Where& where_or_empty) {
+  const Where where = where_or_empty ? where_or_empty : [](const std::string&) { return std::string(); };
+  Study copy = study;
+  validate_values(fields(copy), where);
+  validate_together(study, where);
   validate_stages(study, where);
 }
 
 void set_number(Study& study, const std::string& key, double value) {
   std::vector<Field> list = fields(study);
-  const auto field = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.key == key; });
-  std::vector<std::string> keys;
-  for (const Field& f : list)
-    if (std::holds_alternative<double*>(f.value)) keys.push_back(f.key);
-  if (field == list.end() || !std::holds_alternative<double*>(field->value)) {
-    const std::string near = did_you_mean(key, keys);
-    throw InputError(fmt::format("{}: no such numeric key{}", key, near.empty() ? "" : "; did you mean " + near + "?"));
-  }
-  double& target = *std::get<double*>(field->value);
-  const double before = target;
-  target = value;
-  if (!std::isfinite(value) || !complaint(*field).empty()) {
-    const std::string text = fmt::format("{} = {}: accepted is {}", key, value, accepted(*field));
-    target = before;
-    throw InputError(text);
-  }
-  if (key == "outlet.opening_angle_deg") study.outlet.opening_angle_rad = not_given;
-  if (key == "outlet.opening_angle_rad") study.outlet.opening_angle_deg = not_given;
+  put_number(study, number_field(list, key), value);
 }
 
 double get_number(const Study& study, const std::string& key) {
   Study copy = study;
-  for (const Field& field : fields(copy))
-    if (field.key == key && std::holds_alternative<double*>(field.value)) return *std::get<double*>(field.value);
-  throw InputError(key + ": no such numeric key");
+  std::vector<Field> list = fields(copy);
+  return *std::get<double*>(number_field(list, key).value);
+}
+
+StudyProbe::StudyProbe(const Study& study) : study_(study) {
+  study_.stages.clear();
+  fields_ = fields(study_);
+  for (std::size_t i = 0; i < fields_.size(); ++i)
+    if (std::holds_alternative<double*>(fields_[i].value)) place_.emplace(fields_[i].key, i);
+}
+
+Field& StudyProbe::number(const std::string& key) {
+  const auto found = place_.find(key);
+  return found != place_.end() ? fields_[found->second] : number_field(fields_, key);
+}
+
+void StudyProbe::set(const std::string& key, double value) {
+  Field& field = number(key);
+  for (double* changed :
+       {std::get<double*>(field.value), &study_.outlet.opening_angle_deg, &study_.outlet.opening_angle_rad})
+    before_.emplace_back(changed, *changed);
+  put_number(study_, field, value);
+}
+
+double StudyProbe::get(const std::string& key) { return *std::get<double*>(number(key).value); }
+
+void StudyProbe::validate() const {
+  validate_together(study_, [](const std::string&) { return std::string(); });
+}
+
+void StudyProbe::reset() {
+  for (auto change = before_.rbegin(); change != before_.rend(); ++change) *change->first = change->second;
+  before_.clear();
 }
 
 std::vector<Difference> differences(const Study& stored, const Study& given) {

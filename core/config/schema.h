@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -67,6 +68,32 @@ void validate(const Study& study, const Where& where = {});
 /// @throws InputError for an unknown key or a value out of range.
 void set_number(Study& study, const std::string& key, double value);
 double get_number(const Study& study, const std::string& key);
+
+/// A study whose numbers are set and set back many times, as for the designs of a stage: its keys are listed once. The
+/// stages are left out.
+class StudyProbe {
+ public:
+  explicit StudyProbe(const Study& study);
+  StudyProbe(const StudyProbe&) = delete;
+  StudyProbe& operator=(const StudyProbe&) = delete;
+
+  const Study& study() const { return study_; }
+  /// As set_number(). @throws InputError
+  void set(const std::string& key, double value);
+  double get(const std::string& key);
+  /// What the shared tables must satisfy together, as in validate(). Single values were checked by set().
+  void validate() const;
+  /// Undoes what was set.
+  void reset();
+
+ private:
+  Field& number(const std::string& key);
+
+  Study study_;
+  std::vector<Field> fields_;
+  std::map<std::string, std::size_t> place_;  ///< of the numbers in fields_
+  std::vector<std::pair<double*, double>> before_;
+};
 
 /// Difference of one key between two studies, as text.
 struct Difference {

@@ -232,6 +232,7 @@ std::string write_stage(const StageConfig& stage) {
 }
 
 void validate_stages(const Study& study, const Where& where) {
+  StudyProbe probe(study);
   std::vector<std::string> names;
   for (std::size_t index = 0; index < study.stages.size(); ++index) {
     const StageConfig& stage = study.stages[index];
@@ -252,15 +253,16 @@ void validate_stages(const Study& study, const Where& where) {
     for (const StageVariable& v : stage.variables) {
       validate_numbers(stage, v, here);
       if (stage.type == "grid") nodes *= static_cast<double>(v.count);
-      Study probe = study;
       try {
-        if (stage.type != "points") set_number(probe, v.key, v.from);
-        if (stage.type != "points") set_number(probe, v.key, v.to);
-        for (const double value : v.values) set_number(probe, v.key, value);
+        if (stage.type != "points") probe.set(v.key, v.from);
+        if (stage.type != "points") probe.set(v.key, v.to);
+        for (const double value : v.values) probe.set(v.key, value);
       } catch (const InputError& error) {
         throw InputError(here + error.what());
       }
-      for (const Field& f : fields(probe))
+      probe.reset();
+      Study copy = probe.study();
+      for (const Field& f : fields(copy))
         if (f.key == v.key && f.scope == Scope::warm_state && f.key.rfind("outlet.", 0) != 0)
           throw InputError(here + v.key + ": cannot vary in a stage, because all designs start from one warm drum");
     }

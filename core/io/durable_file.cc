@@ -25,6 +25,12 @@ struct Descriptor {
 
 }  // namespace
 
+void sync_folder(const std::string& folder) {
+  const Descriptor directory{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (directory.fd < 0) fail(folder, "open", errno);
+  if (::fsync(directory.fd) != 0 && errno != EINVAL && errno != EROFS) fail(folder, "fsync", errno);
+}
+
 void write_durably(const std::string& path, std::string_view bytes) {
   const std::filesystem::path target(path);
   const std::string folder = target.has_parent_path() ? target.parent_path().string() : ".";
@@ -45,10 +51,7 @@ void write_durably(const std::string& path, std::string_view bytes) {
     ::unlink(temporary.c_str());
     throw;
   }
-  // Without the folder's fsync a power cut may lose the new name.
-  const Descriptor directory{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (directory.fd < 0) fail(folder, "open", errno);
-  if (::fsync(directory.fd) != 0 && errno != EINVAL && errno != EROFS) fail(folder, "fsync", errno);
+  sync_folder(folder);
 }
 
 std::string read_whole_file(const std::string& path) {

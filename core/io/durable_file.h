@@ -18,6 +18,10 @@ struct WriteError : std::runtime_error {
 /// Replaces the file at `path`. @throws WriteError
 void write_durably(const std::string& path, std::string_view bytes);
 
+/// Makes names in a folder durable: without it a power cut may lose a new one, or bring back one that was removed.
+/// @throws WriteError
+void sync_folder(const std::string& folder);
+
 /// @throws std::runtime_error naming path and cause
 std::string read_whole_file(const std::string& path);
 

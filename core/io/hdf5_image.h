@@ -8,9 +8,9 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace drumsweep {
@@ -22,6 +22,15 @@ struct StoreError : std::runtime_error {
 
 /// Of the library that is loaded: "1.10.8".
 std::string hdf5_version();
+/// What a sealed file says of itself in its first line.
+struct Seal {
+  std::string kind, version;
+  int layout = 0;
+  std::uint64_t bytes = 0;  ///< after the user block
+  std::uint32_t crc = 0;    ///< of these
+};
+/// Checks length and checksum, not the content. @throws StoreError
+Seal verify_seal(std::string_view bytes, const std::string& source);
 
 class Hdf5Writer {
  public:
@@ -30,22 +39,21 @@ class Hdf5Writer {
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
 
-  /// Dataset (rows x columns; columns 1: one-dimensional) with unit and description as attributes. Groups in `name` are
-  /// made.
-  void dataset(const std::string& name, std::span<const double> values, std::size_t columns, const std::string& unit,
-               const std::string& about);
-  void dataset(const std::string& name, std::span<const float> values, std::size_t columns, const std::string& unit,
-               const std::string& about);
-  void dataset(const std::string& name, std::span<const std::uint32_t> values, std::size_t columns,
-               const std::string& unit, const std::string& about);
-  void dataset(const std::string& name, std::span<const std::uint8_t> values, std::size_t columns,
-               const std::string& unit, const std::string& about);
-  void dataset(const std::string& name, std::span<const std::int64_t> values, std::size_t columns,
-               const std::string& unit, const std::string& about);
-  /// Attributes of the root group.
-  void attribute(const std::string& name, double value);
-  void attribute(const std::string& name, std::int64_t value);
-  void attribute(const std::string& name, const std::string& value);
+  /// Dataset (rows x columns; columns 1: one-dimensional) with its unit and meaning as attributes. Groups in `name` are
+  /// made. @param frame  with one more dimension of size 1 in front: one moment of a time series, as H5MD has it
+  template <class T>  // double, float, std::uint32_t, std::uint8_t, std::int64_t
+  void dataset(const std::string& name, const std::vector<T>& values, std::size_t columns, const std::string& unit,
+               const std::string& long_name, bool frame = false);
+  /// Text of fixed length, UTF-8.
+  void texts(const std::string& name, const std::vector<std::string>& values, const std::string& long_name);
+  /// A second name for an object that is there.
+  void link(const std::string& name, const std::string& existing);
+  /// Attributes of the root, or of a group that is made if need be.
+  void attribute(const std::string& name, double value, const std::string& group = "/");
+  void attribute(const std::string& name, std::int64_t value, const std::string& group = "/");
+  void attribute(const std::string& name, const std::string& value, const std::string& group = "/");
+  void attribute(const std::string& name, const std::vector<std::int64_t>& values, const std::string& group = "/");
+  void attribute(const std::string& name, const std::vector<std::string>& values, const std::string& group = "/");
 
   /// The whole file, sealed. @param kind  one word  @param layout  version of the layout of this kind
   std::string seal(const std::string& kind, int layout);
@@ -60,6 +68,8 @@ class Hdf5Reader {
   /// @param source  names the file in messages
   /// @throws StoreError when the bytes are not a whole, undamaged file of this kind and layout
   Hdf5Reader(const std::string& bytes, const std::string& kind, int layout, const std::string& source);
+  /// One recording of a pack (hdf5_pack.h). @throws StoreError when it is not there or is damaged
+  Hdf5Reader(const std::string& pack_path, const std::string& name);
   ~Hdf5Reader();
   Hdf5Reader(const Hdf5Reader&) = delete;
   Hdf5Reader& operator=(const Hdf5Reader&) = delete;
@@ -69,6 +79,7 @@ class Hdf5Reader {
   std::vector<std::uint32_t> uint32s(const std::string& name) const;
   std::vector<std::uint8_t> uint8s(const std::string& name) const;
   std::vector<std::int64_t> int64s(const std::string& name) const;
+  std::vector<std::string> texts(const std::string& name) const;
   double real(const std::string& attribute) const;
   std::int64_t integer(const std::string& attribute) const;
   std::string text(const std::string& attribute) const;

@@ -4,20 +4,9 @@
 
 #include <map>
 
-#include "core/io/hdf5_image.h"
+#include "core/io/h5md.h"
 
 namespace drumsweep {
-namespace {
-
-std::vector<double> flat(const std::vector<Eigen::Vector3d>& vectors) {
-  std::vector<double> out;
-  out.reserve(3 * vectors.size());
-  for (const Eigen::Vector3d& v : vectors) out.insert(out.end(), {v[0], v[1], v[2]});
-  return out;
-}
-
-}  // namespace
-
 std::string pack_scene(SceneFile& file, const SceneResult& r) {
   Hdf5Writer out;
   out.attribute("scene", write_scene(file, false));
@@ -40,18 +29,13 @@ std::string pack_scene(SceneFile& file, const SceneResult& r) {
     first.try_emplace(o.name, &o);
   }
   for (const auto& [name, values] : rows)
-    out.dataset("observables/" + name, values, 3, first[name]->unit,
+    out.dataset("drumsweep/observables/" + name, values, 3, first[name]->unit,
                 "position [" + first[name]->position_unit + "], value, standard error");
   for (const Series& s : r.series)
-    out.dataset("series/" + s.name, s.values, s.columns.size(), "in the columns",
+    out.dataset("drumsweep/series/" + s.name, s.values, s.columns.size(), "in the columns",
                 fmt::format("columns: {}", fmt::join(s.columns, ", ")));
-  out.dataset("balls/position", flat(r.state.balls.position), 3, "m", "centres");
-  out.dataset("balls/velocity", flat(r.state.balls.velocity), 3, "m s-1", "");
-  out.dataset("balls/spin", flat(r.state.balls.spin), 3, "rad s-1", "");
-  out.dataset("balls/radius", r.state.balls.radius, 1, "m", "");
-  out.dataset("balls/id", r.state.balls.id, 1, "1", "");
-  out.dataset("balls/fixed", r.state.balls.exit, 1, "1", "254: a ball that never moves");
-  return out.seal("scene", 1);
+  write_h5md(out, r.state.balls, file.physics.material, r.state.num_steps, r.simulated_s);
+  return out.seal("scene", 2);
 }
 
 }  // namespace drumsweep

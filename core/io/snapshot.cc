@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
-#include "core/io/hdf5_image.h"
+#include "core/io/h5md.h"
 
 namespace drumsweep {
 namespace {
@@ -12,21 +14,14 @@ namespace {
 constexpr const char* warm_kind = "warm_state";
 constexpr const char* recording_kind = "recording";
 constexpr const char* progress_kind = "design_progress";
-constexpr int warm_layout = 2;
-constexpr int recording_layout = 2;
+constexpr int warm_layout = 3;
+constexpr int recording_layout = 3;
 constexpr int progress_layout = 1;
 
 /// Study without its stages: what a state or a recording may depend on.
 std::string study_text(Study study) {
   study.stages.clear();
   return write_study(study, false);
-}
-
-std::vector<double> flat(const std::vector<Eigen::Vector3d>& vectors) {
-  std::vector<double> out;
-  out.reserve(3 * vectors.size());
-  for (const Eigen::Vector3d& v : vectors) out.insert(out.end(), {v[0], v[1], v[2]});
-  return out;
 }
 
 std::vector<Eigen::Vector3d> vectors(const std::vector<double>& values) {
@@ -51,16 +46,13 @@ void append_turn(std::vector<float>& list, const std::vector<Turn>& turns, std::
   if (i < turns.size()) list.insert(list.end(), turns[i].begin(), turns[i].end());
 }
 
-void write_state(Hdf5Writer& file, const DrumState& s) {
+/// Balls as H5MD has them; what else a bitwise restart needs is in /drumsweep.
+void write_state(Hdf5Writer& file, const DrumState& s, const Physics& physics) {
   file.attribute("num_steps", s.num_steps);
   file.attribute("feed_debt_kg", s.feed_debt_kg);
   write_counts(file, s.counts);
-  file.dataset("balls/position", flat(s.balls.position), 3, "m", "centre: along the belt, across it, up");
-  file.dataset("balls/velocity", flat(s.balls.velocity), 3, "m s-1", "of the centre");
-  file.dataset("balls/spin", flat(s.balls.spin), 3, "rad s-1", "angular velocity");
-  file.dataset("balls/radius", s.balls.radius, 1, "m", "");
-  file.dataset("balls/id", s.balls.id, 1, "1", "in the order of feeding");
-  file.dataset("balls/exit", s.balls.exit, 1, "1", "0 inside, 1... slot, 255 over the outlet's end");
+  write_h5md(file, s.balls, physics.material, s.num_steps,
+             static_cast<double>(s.num_steps) * physics.solver.outer_step_s);
 
   // Only pairs that press carry an impulse to the next step.
   std::vector<std::uint32_t> pair, ball;
@@ -79,14 +71,15 @@ void write_state(Hdf5Writer& file, const DrumState& s) {
     wall_direction.insert(wall_direction.end(), {w.direction[0], w.direction[1], w.direction[2]});
     wall_impulse.insert(wall_impulse.end(), {w.tangent[0], w.tangent[1], w.tangent[2], w.normal});
   }
-  file.dataset("pairs/balls", pair, 2, "1", "rows of /balls that press on each other");
-  file.dataset("pairs/impulse", pair_impulse, 4, "N s", "on the first: tangential part, normal part");
-  file.dataset("walls/ball", ball, 1, "1", "row of /balls that presses on the wall");
-  file.dataset("walls/direction", wall_direction, 3, "1", "normal towards the ball, in the drum's frame");
-  file.dataset("walls/impulse", wall_impulse, 4, "N s",
+  file.dataset("drumsweep/pairs/balls", pair, 2, "1", "rows of /particles/balls that press on each other");
+  file.dataset("drumsweep/pairs/impulse", pair_impulse, 4, "N s", "on the first: tangential part, normal part");
+  file.dataset("drumsweep/walls/ball", ball, 1, "1", "row of /particles/balls that presses on the wall");
+  file.dataset("drumsweep/walls/direction", wall_direction, 3, "1", "normal towards the ball, in the drum's frame");
+  file.dataset("drumsweep/walls/impulse", wall_impulse, 4, "N s",
                "on the ball, in the drum's frame: tangential part, normal part");
-  file.dataset("pairs/turn", pair_turn, 3, "N s", "torque impulse over the arm; empty without rolling resistance");
-  file.dataset("walls/turn", wall_turn, 3, "N s", "the same at the wall");
+  file.dataset("drumsweep/pairs/turn", pair_turn, 3, "N s",
+               "torque impulse over the arm; empty without rolling resistance");
+  file.dataset("drumsweep/walls/turn", wall_turn, 3, "N s", "the same at the wall");
 }
 
 DrumState read_state(const Hdf5Reader& file) {
@@ -94,14 +87,15 @@ DrumState read_state(const Hdf5Reader& file) {
   s.num_steps = file.integer("num_steps");
   s.feed_debt_kg = file.real("feed_debt_kg");
   s.counts = read_counts(file);
-  s.balls.position = vectors(file.doubles("balls/position"));
-  s.balls.velocity = vectors(file.doubles("balls/velocity"));
-  s.balls.spin = vectors(file.doubles("balls/spin"));
-  s.balls.radius = file.doubles("balls/radius");
-  s.balls.id = file.uint32s("balls/id");
-  s.balls.exit = file.uint8s("balls/exit");
-  const auto pair = file.uint32s("pairs/balls"), ball = file.uint32s("walls/ball");
-  const auto p = file.floats("pairs/impulse"), d = file.floats("walls/direction"), w = file.floats("walls/impulse");
+  s.balls.position = vectors(file.doubles("particles/balls/position/value"));
+  s.balls.velocity = vectors(file.doubles("particles/balls/velocity/value"));
+  s.balls.spin = vectors(file.doubles("particles/balls/spin/value"));
+  s.balls.radius = file.doubles("particles/balls/radius/value");
+  s.balls.id = file.uint32s("particles/balls/id/value");
+  s.balls.exit = file.uint8s("particles/balls/exit/value");
+  const auto pair = file.uint32s("drumsweep/pairs/balls"), ball = file.uint32s("drumsweep/walls/ball");
+  const auto p = file.floats("drumsweep/pairs/impulse"), d = file.floats("drumsweep/walls/direction"),
+             w = file.floats("drumsweep/walls/impulse");
   for (std::size_t i = 0; i < pair.size() / 2; ++i)
     s.pairs.push_back({pair[2 * i], pair[2 * i + 1], {p[4 * i], p[4 * i + 1], p[4 * i + 2]}, p[4 * i + 3]});
   for (std::size_t i = 0; i < ball.size(); ++i)
@@ -113,8 +107,8 @@ DrumState read_state(const Hdf5Reader& file) {
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
     return list;
   };
-  s.pair_turns = turns("pairs/turn");
-  s.wall_turns = turns("walls/turn");
+  s.pair_turns = turns("drumsweep/pairs/turn");
+  s.wall_turns = turns("drumsweep/walls/turn");
   return s;
 }
 
@@ -210,15 +204,15 @@ std::string pack_warm_state(const Study& study, const WarmState& warm) {
   file.attribute("program_version", std::string(DRUMSWEEP_VERSION));
   file.attribute("finished", std::int64_t{warm.finished});
   file.attribute("steady", std::int64_t{warm.steady});
-  write_state(file, warm.state);
+  write_state(file, warm.state, study);
   std::vector<double> turns;
   std::vector<std::int64_t> flow;
   for (const WarmupWindow& w : warm.windows) {
     turns.push_back(w.turns_end);
     flow.insert(flow.end(), {w.fed, w.left, w.inside});
   }
-  file.dataset("warmup/turns_end", turns, 1, "1", "end of each window, in turns since the empty drum");
-  file.dataset("warmup/flow", flow, 3, "1", "balls fed and left in the window, inside at its end");
+  file.dataset("drumsweep/warmup/turns_end", turns, 1, "1", "end of each window, in turns since the empty drum");
+  file.dataset("drumsweep/warmup/flow", flow, 3, "1", "balls fed and left in the window, inside at its end");
   return file.seal(warm_kind, warm_layout);
 }
 
@@ -230,8 +224,8 @@ StoredDrum unpack_drum(const std::string& bytes, const std::string& source) {
   warm.state = read_state(file);
   warm.finished = file.integer("finished") != 0;
   warm.steady = file.integer("steady") != 0;
-  const auto turns = file.doubles("warmup/turns_end");
-  const auto flow = file.int64s("warmup/flow");
+  const auto turns = file.doubles("drumsweep/warmup/turns_end");
+  const auto flow = file.int64s("drumsweep/warmup/flow");
   for (std::size_t i = 0; i < turns.size(); ++i)
     warm.windows.push_back({turns[i], flow[3 * i], flow[3 * i + 1], flow[3 * i + 2]});
   return stored;
@@ -270,7 +264,11 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
 
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source) {
-  const Hdf5Reader file(bytes, recording_kind, recording_layout, source);
+  return read_recording(Hdf5Reader(bytes, recording_kind, recording_layout, source), study, design_id, design, source);
+}
+
+Recording read_recording(const Hdf5Reader& file, const Study& study, const std::string& design_id, const Design& design,
+                         const std::string& source) {
   refuse_other_design(file, study, design_id, design, source);
   Recording r;
   r.begin_s = file.real("begin_s");
@@ -298,7 +296,7 @@ std::string pack_progress(const Study& study, const std::string& design_id, cons
   Hdf5Writer file;
   write_identity(file, study, design_id, design);
   file.attribute("attempt", std::int64_t{attempt});
-  write_state(file, progress.state);
+  write_state(file, progress.state, study);
   write_landings(file, progress.landings);
   file.dataset("quality/of_steps", progress.quality_of_steps, quality_columns.size(), "in the columns",
                fmt::format("of each recorded outer step: {}", fmt::join(quality_columns, ", ")));
@@ -341,6 +339,19 @@ StoredProgress unpack_progress(const std::string& bytes, const Study& study, con
   sum.residual.num_rows = static_cast<std::size_t>(numbers.at(3));
   progress.quality = ReportMean(sum, numbers.at(0));
   return stored;
+}
+
+std::string repack_recording(const Hdf5Reader& file, const std::string& source) {
+  const Study study = parse_study(file.text("study"), source + ": study");
+  const std::string id = file.text("design_id");
+  Design design;
+  std::istringstream keys(file.text("design_keys"));
+  std::string key;
+  for (const double value : file.doubles("design")) {
+    if (!std::getline(keys, key, ',')) throw StoreError(source + ": damaged: a value without a key");
+    design.emplace_back(key, value);
+  }
+  return pack_recording(study, id, design, read_recording(file, study, id, design, source));
 }
 
 }  // namespace drumsweep

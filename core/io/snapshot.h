@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/io/hdf5_image.h"
 #include "core/scene/drum.h"
 
 namespace drumsweep {
@@ -14,6 +15,8 @@ struct MismatchError : std::runtime_error {
 
 /// Warm (or warming) state with all that a restart needs: balls, ids, drum angle (by the step count), feeder, impulses,
 /// windows, the study. A run restarted from it is bitwise the uninterrupted one.
+/// Balls are in the layout of H5MD 1.1 with its units module, one moment of the group /particles/balls; what a restart
+/// needs beyond that is in /drumsweep and in the attributes of the root.
 std::string pack_warm_state(const Study& study, const WarmState& warm);
 
 /// @throws StoreError (damaged, foreign), MismatchError (another version, or a key of the warm-up differs from `study`)
@@ -46,6 +49,12 @@ struct StoredProgress {
 /// @throws as unpack_recording()
 StoredProgress unpack_progress(const std::string& bytes, const Study& study, const std::string& design_id,
                                const Design& design, const std::string& source);
+/// The same from a file that is open, such as a group of a pack.
+Recording read_recording(const Hdf5Reader& file, const Study& study, const std::string& design_id, const Design& design,
+                         const std::string& source);
+
+/// The image that such a group was made from. @throws StoreError, MismatchError
+std::string repack_recording(const Hdf5Reader& file, const std::string& source);
 
 /// Differences of keys with the given scope or one that it depends on, one line each, empty when there are none.
 std::string explain_differences(const Study& stored, const Study& given, bool recording_too);

@@ -60,6 +60,7 @@ bool warm_up(const Study& study, WarmState& warm, const Observer& observer,
 
 Study study_of_design(const Study& study, const Design& design) {
   Study out = study;
+  out.stages.clear();  // they were validated with the study, and there may be a million designs
   for (const auto& [key, value] : design) set_number(out, key, value);
   validate(out);
   return out;

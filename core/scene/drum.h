@@ -69,7 +69,7 @@ struct Recording {
   bool stopped = false;  ///< by the observer; the rest is then incomplete
 };
 
-/// The study with a design's values put in. @throws InputError
+/// The study with a design's values put in, without its stages. @throws InputError
 Study study_of_design(const Study& study, const Design& design);
 
 /// A design's run between two outer steps: all that it takes to go on.

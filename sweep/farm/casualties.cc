@@ -31,10 +31,10 @@ std::vector<std::string> Casualties::settle_last_run() {
     const int attempt = provenance_.attempts(id);
     const std::optional<Crash> crash = last_crash(paths_, id, attempt);
     // A recording whose line did not come any more is no loss.
-    const char* event = crash                       ? "crashed"
-                        : has_recording(paths_, id) ? "done"
-                        : has_failure(paths_, id)   ? "failed"
-                                                    : "lost";
+    const char* event = crash                             ? "crashed"
+                        : has_loose_recording(paths_, id) ? "done"
+                        : has_failure(paths_, id)         ? "failed"
+                                                          : "lost";
     (crash ? crashed : others).push_back({event, id, attempt, 0, "", 0, 0, "", ""});
     if (crash)
       say.push_back(fmt::format("design {} has crashed its process in attempt {} ({})", id, attempt, crash->signal));

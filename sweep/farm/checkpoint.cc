@@ -92,7 +92,7 @@ int last_attempt_with_progress(const OutputPaths& paths, const Study& study, con
 void remove_stale_checkpoints(const OutputPaths& paths) {
   std::vector<fs::path> stale;
   for (const fs::directory_entry& entry : fs::directory_iterator(paths.designs()))
-    if (entry.path().extension() == ".part" && has_recording(paths, entry.path().stem().string()))
+    if (entry.path().extension() == ".part" && has_loose_recording(paths, entry.path().stem().string()))
       stale.push_back(entry.path());
   std::error_code ignored;
   for (const fs::path& path : stale) fs::remove(path, ignored);

@@ -25,7 +25,9 @@
 #include "sweep/progress.h"
 #include "sweep/stop.h"
 #include "sweep/store/provenance.h"
+#include "sweep/store/recordings.h"
 #include "sweep/store/results.h"
+#include "sweep/store/results_image.h"
 #include "sweep/store/store.h"
 #include "sweep/sweep.h"
 
@@ -60,6 +62,7 @@ class Master {
         planner_(study),
         options_(options),
         store_(folder, study),
+        recordings_(store_.paths()),
         roll_(farm.size(), options.silence_s, farm.host()) {
     reporter_.log_to(store_.paths().log());
     provenance_.emplace(store_.paths().provenance());
@@ -90,7 +93,7 @@ class Master {
       farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
       if (!stopping()) take_stock();
-      write_table();
+      write_tables();
       if (!stopping() && !pending_.empty()) {
         // A broadcast would wait for the dead.
         farm_.send_all(Tag::warm, std::to_string(options_.survive ? 0 : warm_bytes.size()));
@@ -135,6 +138,7 @@ class Master {
   }
 
   bool fill_drum(const std::string& path, WarmState& warm) {
+    note_begin();
     const double turns =
         static_cast<double>(warm.state.num_steps) * study_.solver.outer_step_s / duration_of_turns(1, study_.drum);
     reporter_.info(turns == 0 ? "warm-up: filling the empty drum"
@@ -174,6 +178,8 @@ class Master {
   const Plan& plan() const { return planner_.plan(); }
 
   void take_stock() {
+    known_ = KnownRows(store_.paths().results_image(), study_, steady_);
+    known_.confirm(recordings_, study_, plan(), steady_);
     // What is stored may let searches ask for more, which may be stored too.
     do look_up_new_designs();
     while (!stopping() && pending_.empty() && extend_plan());
@@ -210,7 +216,7 @@ class Master {
         set_row(i, failed_row(design, design.impossible));
       } else if (!load_row(i) && !in_quarantine(i)) {
         pending_.push_back(i);
-      } else if (rows_[i]->state == "failed" && has_failure(store_.paths(), design.id)) {
+      } else if (rows_[i]->state == "failed" && recordings_.has_failure(design.id)) {
         reporter_.info(fmt::format("design {} has failed before ({}); to have it tried again delete {}", design.id,
                                    rows_[i]->reason, store_.paths().failure(design.id)));
       }
@@ -224,17 +230,18 @@ class Master {
     rows_[i] = std::move(row);
   }
 
-  /// Row of a stored design; false when nothing usable is stored.
+  /// Row of a stored design; false when nothing usable is stored. What a damaged pack still has is found at the second
+  /// look.
   bool load_row(std::size_t i) {
     const PlannedDesign& design = plan().designs[i];
-    try {
-      const StoredDesign stored = read_design(store_.paths(), study_, design);
-      if (stored.recording) set_row(i, evaluated_row(study_, design, *stored.recording, steady_));
-      if (stored.failure) set_row(i, failed_row(design, *stored.failure));
-    } catch (const StoreError& error) {
-      const bool recording = has_recording(store_.paths(), design.id);
-      reporter_.warn(
-          set_aside(recording ? store_.paths().recording(design.id) : store_.paths().failure(design.id), error.what()));
+    for (int look = 0; look < 2 && !rows_[i]; ++look) {
+      try {
+        if (std::optional<ResultRow> row = stored_row(recordings_, known_, study_, design, steady_))
+          set_row(i, std::move(*row));
+        break;
+      } catch (const StoreError& error) {
+        reporter_.warn(recordings_.set_aside(design.id, error.what()));
+      }
     }
     return rows_[i].has_value();
   }
@@ -245,6 +252,7 @@ class Master {
     for (const std::string& note : casualties_->settle_last_run()) reporter_.warn(note);
     for (const std::string& note : casualties_->retry(options_.retry_failed, options_.retry_lost)) reporter_.info(note);
     remove_stale_checkpoints(store_.paths());
+    recordings_ = RecordingIndex(store_.paths());
   }
 
   /// Whether this design has killed its process too often; it has its row then.
@@ -253,6 +261,7 @@ class Master {
     if (!reason) return false;
     reporter_.warn(fmt::format("design {} is {}; its input: {}/{}.toml", plan().designs[i].id, *reason,
                                store_.paths().quarantine(), plan().designs[i].id));
+    recordings_.look_again(plan().designs[i].id);
     return load_row(i);
   }
 
@@ -286,7 +295,8 @@ class Master {
     --num_busy_;
     flush();
     reporter_.warn(casualties_->bury(plan().designs[index], rank));
-    if (has_recording(store_.paths(), plan().designs[index].id) && load_row(index)) return;
+    recordings_.look_again(plan().designs[index].id);
+    if (recordings_.has_recording(plan().designs[index].id) && load_row(index)) return;
     if (in_quarantine(index)) return;
     pending_.push_back(index);
     give_to_idle_ranks();
@@ -296,6 +306,7 @@ class Master {
   // --- handing out
 
   void hand_out() {
+    note_begin();
     give_to_idle_ranks();
     flush();
     while (!stopping() && (!pending_.empty() || num_busy_ > 0)) {
@@ -323,7 +334,7 @@ class Master {
       look_up_new_designs();
       grown = true;
     }
-    if (grown) write_findings(std::nullopt);
+    if (grown) replace(store_.paths().findings(), to_toml(plan(), std::nullopt));  // for `status`
     give_to_idle_ranks();
   }
 
@@ -452,7 +463,7 @@ class Master {
 
     // The row comes from the file, so what is called done is what can be read.
     const auto begin = Clock::now();
-    while (!has_recording(store_.paths(), design.id) && !has_failure(store_.paths(), design.id)) {
+    while (!has_loose_recording(store_.paths(), design.id) && !has_failure(store_.paths(), design.id)) {
       if (seconds_since(begin) > visibility_s || stop_requested())
         throw WriteError(
             fmt::format("{}: not visible on {} though rank {} on {} has written it; is the output folder on a "
@@ -460,6 +471,7 @@ class Master {
                         store_.paths().recording(design.id), farm_.host(), rank, outcome.host));
       Farm::nap();
     }
+    recordings_.look_again(design.id);
     if (!load_row(outcome.index))
       throw WriteError(store_.paths().recording(design.id) + ": was written, yet is damaged");
     ++done_now_;
@@ -470,7 +482,7 @@ class Master {
                                design.id, drumsweep::describe(plan(), design),
                                row.state == "untrusted" ? "untrusted, " : "", result, outcome.wall_s, rank));
     if (row.lost_balls > 0) reporter_.warn(fmt::format("design {}: {} balls were lost", design.id, row.lost_balls));
-    if (seconds_since(table_written_) > table_interval_s) write_table();
+    if (seconds_since(table_written_) > table_interval_s) write_tables();
   }
 
   // --- the end
@@ -498,6 +510,12 @@ class Master {
     }
   }
 
+  /// A run that finds nothing to compute leaves no trace.
+  void note_begin() {
+    if (!begun_) provenance_->add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
+    begun_ = true;
+  }
+
   void dismiss() {
     if (!dismissed_) farm_.send_all(Tag::stop, "");
     dismissed_ = true;
@@ -512,7 +530,7 @@ class Master {
         stop(error.what());
       }
     };
-    attempt([&] { write_table(); });
+    attempt([&] { write_tables(); });
     dismiss();
     const auto begin = Clock::now();
     const std::size_t rows_before = num_rows_;
@@ -520,12 +538,13 @@ class Master {
       attempt([&] { poll_ranks(); });
       Farm::nap();
     }
-    if (num_rows_ != rows_before) attempt([&] { write_table(); });
+    if (num_rows_ != rows_before) attempt([&] { write_tables(); });
     std::optional<Findings> findings;
     if (stocked_ && !stopping()) {
       findings = find(study_, plan(), row_of());
-      attempt([&] { write_findings(findings); });
+      attempt([&] { replace(store_.paths().findings(), to_toml(plan(), findings)); });
     }
+    if (begun_) attempt([&] { provenance_->add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
     if (options_.survive) say_end();
     if (num_dead_ == 0 && num_gone_ == farm_.size() - 1)
       farm_.close();
@@ -565,22 +584,20 @@ class Master {
     return out;
   }
 
-  /// Rebuilds results.csv where it is not the same already. Not before all stored designs have been looked at: a stop
-  /// during that must not shorten the table.
-  void write_table() {
+  /// Rebuilds results.csv and results.h5 where they are not the same already, and packs recordings once there are many.
+  /// Not before all stored designs have been looked at: a stop during that must not shorten the table.
+  void write_tables() {
     table_written_ = Clock::now();
-    const std::string path = store_.paths().results(), text = to_csv(table());
+    replace(store_.paths().results(), to_csv(table()));
+    replace(store_.paths().results_image(), pack_results(study_, table(), steady_, recordings_, provenance_->lines()));
+    if (!stocked_) return;
+    for (const std::string& note : recordings_.pack()) reporter_.info(note);
+  }
+
+  void replace(const std::string& path, const std::string& text) const {
     std::error_code error;
     const bool there = std::filesystem::exists(path, error);
     if (there && (!stocked_ || read_whole_file(path) == text)) return;
-    write_durably(path, text);
-  }
-
-  /// What searches have asked for, for `status`; with the findings at the end.
-  void write_findings(const std::optional<Findings>& findings) {
-    const std::string path = store_.paths().findings(), text = to_toml(plan(), findings);
-    std::error_code error;
-    if (std::filesystem::exists(path, error) && read_whole_file(path) == text) return;
     write_durably(path, text);
   }
 
@@ -603,6 +620,8 @@ class Master {
   Planner planner_;
   const SweepOptions& options_;
   Store store_;
+  RecordingIndex recordings_;
+  KnownRows known_;  ///< from results.h5 of an earlier run
   Reporter reporter_;
   std::optional<Provenance> provenance_;
   std::optional<Casualties> casualties_;
@@ -621,6 +640,7 @@ class Master {
   int checkpoints_passed_on_ = num_checkpoint_requests();
   std::optional<Clock::time_point> stop_at_;
   bool dismissed_ = false;
+  bool begun_ = false;    ///< there is a line run_begin
   bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
   std::string stop_cause_;
   Clock::time_point table_written_{}, told_{}, roll_called_{};

@@ -67,19 +67,43 @@ bool row_before(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// Values of all columns, and whether such a drum exists.
-void complete(const Study& study, const std::vector<std::string>& keys, PlannedDesign& design) {
-  Study probe = study;
+void complete(StudyProbe& probe, const std::vector<std::string>& keys, PlannedDesign& design) {
   try {
-    for (const auto& [key, value] : design.values) set_number(probe, key, value);
-    validate(probe);
+    for (const auto& [key, value] : design.values) probe.set(key, value);
+    probe.validate();
   } catch (const InputError& error) {
     design.impossible = error.what();
   }
   for (const std::string& key : keys) {
     const auto own = std::find_if(design.values.begin(), design.values.end(),
                                   [&](const auto& key_value) { return key_value.first == key; });
-    design.row.push_back(own != design.values.end() ? own->second : get_number(probe, key));
+    design.row.push_back(own != design.values.end() ? own->second : probe.get(key));
   }
+  probe.reset();
+}
+
+std::pair<std::size_t, bool> add(Plan& plan, StudyProbe& probe, std::size_t stage, Design values) {
+  std::sort(values.begin(), values.end());
+  StageSummary& summary = plan.stages.at(stage);
+  ++summary.nodes;
+  const std::string id = design_id(values);
+  const auto [known, is_new] = plan.index_of_id.try_emplace(id, plan.designs.size());
+  const std::size_t index = known->second;
+  if (!is_new) {
+    const Design& other = plan.designs[index].values;
+    if (other != values)
+      throw InputError(fmt::format("stage \"{}\": designs {} and {} have the same id {}; shift a value by 1e-9",
+                                   summary.name, canonical_text(other), canonical_text(values), id));
+    ++summary.shared;
+    summary.designs.push_back(index);
+    return {index, false};
+  }
+  PlannedDesign design{id, summary.name, std::move(values), {}, {}, stage};
+  complete(probe, plan.keys, design);
+  if (!design.impossible.empty()) ++summary.impossible;
+  plan.designs.push_back(std::move(design));
+  summary.designs.push_back(index);
+  return {index, true};
 }
 
 }  // namespace
@@ -103,27 +127,8 @@ std::string design_id(const Design& values) {
 }
 
 std::pair<std::size_t, bool> add_design(Plan& plan, const Study& study, std::size_t stage, Design values) {
-  std::sort(values.begin(), values.end());
-  StageSummary& summary = plan.stages.at(stage);
-  ++summary.nodes;
-  const std::string id = design_id(values);
-  const auto [known, is_new] = plan.index_of_id.try_emplace(id, plan.designs.size());
-  const std::size_t index = known->second;
-  if (!is_new) {
-    const Design& other = plan.designs[index].values;
-    if (other != values)
-      throw InputError(fmt::format("stage \"{}\": designs {} and {} have the same id {}; shift a value by 1e-9",
-                                   summary.name, canonical_text(other), canonical_text(values), id));
-    ++summary.shared;
-    summary.designs.push_back(index);
-    return {index, false};
-  }
-  PlannedDesign design{id, summary.name, std::move(values), {}, {}, stage};
-  complete(study, plan.keys, design);
-  if (!design.impossible.empty()) ++summary.impossible;
-  plan.designs.push_back(std::move(design));
-  summary.designs.push_back(index);
-  return {index, true};
+  StudyProbe probe(study);
+  return add(plan, probe, stage, std::move(values));
 }
 
 Plan plan_designs(const Study& study) {
@@ -147,9 +152,10 @@ Plan plan_designs(const Study& study) {
 
   for (const StageConfig& stage : study.stages)
     plan.stages.push_back({stage.name, stage.type, 0, 0, 0, !is_search(stage), {}, {}});
+  StudyProbe probe(study);
   for (std::size_t s = 0; s < study.stages.size(); ++s) {
     if (is_search(study.stages[s])) continue;
-    for (Design& node : nodes_of_stage(study.stages[s])) add_design(plan, study, s, std::move(node));
+    for (Design& node : nodes_of_stage(study.stages[s])) add(plan, probe, s, std::move(node));
   }
   return plan;
 }

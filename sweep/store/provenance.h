@@ -11,23 +11,25 @@ namespace drumsweep {
 /// One event. A design that was begun has a line "started"; what became of it follows, at the latest when the next run
 /// begins.
 ///
+///   run_begin, run_end   of a run that computes; run_end is missing where its process died
+///   warm_up
 ///   started   handed to a rank; durable before the rank hears of it
 ///   done, failed, stopped
 ///   crashed   its process died of a signal of its own (SIGSEGV ...), see crash_note.h
 ///   lost      its process was gone and nothing says why (kill -9, memory, power)
 ///   aborted   its process was ended because another one had crashed
 ///   retry     the user wants it tried again: what it did before does not count any more
-///   warm_up
 struct ProvenanceLine {
   std::string event;
-  std::string design_id;  ///< empty for the warm-up
+  std::string design_id;  ///< empty for run and warm-up
   int attempt = 1;        ///< of this design, from 1
   int rank = 0;
   std::string host;
   double wall_s = 0;
   double cpu_s = 0;
-  std::string time_utc;         ///< filled in by add()
+  std::string time_utc;         ///< filled in by add(), to the millisecond
   std::string program_version;  ///< filled in by add()
+  int ranks = 0;                ///< run_begin: of the run
 };
 
 /// What the lines say of one design.
@@ -53,15 +55,21 @@ class Provenance {
   const DesignHistory& history(const std::string& design_id) const;
   /// Designs whose last attempt has no end, sorted.
   std::vector<std::string> open_designs() const;
+  const std::vector<ProvenanceLine>& lines() const { return lines_; }
 
  private:
   void index(const ProvenanceLine& line);
 
   std::string path_;
+  std::vector<ProvenanceLine> lines_;
   std::unordered_map<std::string, DesignHistory> histories_;
 };
 
 /// Whole lines of the file, none when there is no file.
 std::vector<ProvenanceLine> read_provenance(const std::string& path);
+
+/// Seconds since 1970 of a time_utc; NaN when it is not one.
+double seconds_of(const std::string& time_utc);
+double now_s();
 
 }  // namespace drumsweep

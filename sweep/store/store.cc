@@ -10,6 +10,7 @@
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
+#include "sweep/store/recordings.h"
 
 namespace drumsweep {
 namespace {
@@ -137,7 +138,7 @@ Study read_frozen_study(const std::string& folder) {
   return parse_study(*frozen_study_text(paths), paths.study());
 }
 
-bool has_recording(const OutputPaths& paths, const std::string& id) {
+bool has_loose_recording(const OutputPaths& paths, const std::string& id) {
   std::error_code error;
   return fs::exists(paths.recording(id), error);
 }
@@ -148,17 +149,14 @@ bool has_failure(const OutputPaths& paths, const std::string& id) {
 }
 
 StoredDesign read_design(const OutputPaths& paths, const Study& study, const PlannedDesign& design) {
-  StoredDesign stored;
-  if (has_recording(paths, design.id)) {
-    const std::string path = paths.recording(design.id);
-    stored.recording = unpack_recording(read_whole_file(path), study, design.id, design.values, path);
-  } else if (has_failure(paths, design.id)) {
-    const std::string path = paths.failure(design.id), text = read_whole_file(path);
-    const std::string head = fmt::format("{}{} failed\n", failure_begin, design.id);
-    if (text.rfind(head, 0) != 0) throw StoreError(path + ": damaged: it does not begin as it should");
-    stored.failure = text.substr(head.size(), text.find('\n', head.size()) - head.size());
-  }
-  return stored;
+  return RecordingIndex(paths).read(study, design);
+}
+
+std::string read_failure(const OutputPaths& paths, const std::string& id) {
+  const std::string path = paths.failure(id), text = read_whole_file(path);
+  const std::string head = fmt::format("{}{} failed\n", failure_begin, id);
+  if (text.rfind(head, 0) != 0) throw StoreError(path + ": damaged: it does not begin as it should");
+  return text.substr(head.size(), text.find('\n', head.size()) - head.size());
 }
 
 void write_recording(const OutputPaths& paths, const Study& study, const PlannedDesign& design,

@@ -3,12 +3,14 @@
 ///   study.toml        frozen study; its first line makes the folder ours
 ///   warm_state.h5     warm drum, sealed; during the warm-up its last window
 ///   designs/ID.h5     recording of one design, sealed, written once by the rank that simulated it
+///   designs/pack_NNNN.h5  about a hundred of these in one file, see recordings.h
 ///   designs/ID.failed why a design cannot be simulated; delete it to have it tried again
 ///   designs/ID.part   state inside a design that is not done, sealed; gone when it is
 ///   designs/ID.crashed  left by a process that died of a signal of its own at this design
 ///   quarantine/       designs that kill their process, to be reproduced; see casualties.h
 ///   results.csv       rebuilt from all of the above, never read back by a run
 ///   findings.toml     what searches have decided, the optimum and its error; rebuilt like the table
+///   results.h5        the same for programs, with hosts and times; see results_image.h
 ///   provenance.csv    see provenance.h
 ///   run.log, lock     messages; see output_lock.h
 ///   *.damaged         set aside because a checksum did not match
@@ -36,6 +38,7 @@ struct OutputPaths {
   std::string warm_state() const { return folder + "/warm_state.h5"; }
   std::string results() const { return folder + "/results.csv"; }
   std::string findings() const { return folder + "/findings.toml"; }
+  std::string results_image() const { return folder + "/results.h5"; }
   std::string provenance() const { return folder + "/provenance.csv"; }
   std::string log() const { return folder + "/run.log"; }
   std::string lock() const { return folder + "/lock"; }
@@ -76,10 +79,14 @@ struct StoredDesign {
   std::optional<std::string> failure;  ///< its reason; not looked for where there is a recording
 };
 
+/// One design, loose or packed; whoever reads many makes a RecordingIndex (recordings.h) once.
 /// @throws StoreError (damaged), MismatchError (of another study or design)
 StoredDesign read_design(const OutputPaths& paths, const Study& study, const PlannedDesign& design);
-bool has_recording(const OutputPaths& paths, const std::string& id);
+/// A recording that is a file of its own, as it is when it has just been written.
+bool has_loose_recording(const OutputPaths& paths, const std::string& id);
 bool has_failure(const OutputPaths& paths, const std::string& id);
+/// The reason. @throws StoreError
+std::string read_failure(const OutputPaths& paths, const std::string& id);
 
 /// @throws WriteError
 void write_recording(const OutputPaths& paths, const Study& study, const PlannedDesign& design,

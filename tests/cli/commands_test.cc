@@ -75,7 +75,7 @@ TEST(CommandLine, wrong_usage_is_exit_2_and_every_help_has_an_example) {
                                              {"simulate", "x.toml", "-o", "d", "--at", "a,b"},
                                              {"contour", "out"}})
     EXPECT_EQ(drumsweep(folder, words).code, 2);
-  for (const char* command : {"init", "check", "run", "status", "simulate", "contour", "bench"}) {
+  for (const char* command : {"init", "check", "run", "status", "why", "simulate", "contour", "bench"}) {
     const Finished help = drumsweep(folder, {command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("xample"), std::string::npos) << command << ": " << help.out;
@@ -131,6 +131,105 @@ TEST(Status, json_has_the_keys_that_others_rely_on_and_writes_nothing) {
   EXPECT_EQ(snapshot(), before);
 }
 
+/// A study of which one design is impossible: its slots are as wide as the outlet's circumference.
+std::string study_with_a_hole() { return replaced(tiny_study(), "from = 0.02, to = 0.03", "from = 0.03, to = 0.5"); }
+
+TEST(Status, timeline_and_watch_of_a_finished_sweep) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study());
+  Program run(folder, under_mpirun(2, {"run", "study.toml", "-o", "out"}));
+  ASSERT_EQ(run.wait(), 0) << run.err();
+  const Finished watched = drumsweep(folder, {"status", "out", "--watch", "--timeline"});
+  EXPECT_EQ(watched.code, 0);
+  EXPECT_EQ(watched.out.find('\033'), std::string::npos);
+  for (const char* word : {"finished", "run of 20", "ranks idle", "tail", "    1 ", "% busy"})
+    EXPECT_NE(watched.out.find(word), std::string::npos) << word << "\n" << watched.out;
+
+  const Json json = JsonReader::parse(drumsweep(folder, {"status", "out", "--json", "--timeline"}).out);
+  const Json& timeline = json["timeline"]["runs"].list.at(0);
+  EXPECT_EQ(timeline["ranks"].number, 2);
+  EXPECT_EQ(timeline["designs"].number, 4);
+  EXPECT_EQ(timeline["begin"].text.size(), 24u);
+  for (const char* key : {"wall_s", "idle_s", "tail_s", "designs_s"}) EXPECT_GE(timeline[key].number, 0) << key;
+  EXPECT_GT(timeline["wall_s"].number, timeline["designs_s"].number);
+  EXPECT_NEAR(timeline["idle_share"].number, timeline["idle_s"].number / (2 * timeline["designs_s"].number), 1e-9);
+}
+
+TEST(Status, watch_follows_a_run_line_by_line_until_it_is_over) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study(10, 3));
+  Program run(folder, {DRUMSWEEP_BINARY, "run", "study.toml", "-o", "out"});
+  ASSERT_TRUE(wait_until([&] { return count_files(folder / "out/designs", ".h5") > 0; }));
+  // Its own files for output: a folder beside the first.
+  const TestFolder other;
+  Program watch(other, {DRUMSWEEP_BINARY, "status", folder / "out", "--watch", "--json"});
+  EXPECT_EQ(run.wait(), 0);
+  EXPECT_EQ(watch.wait(), 0);
+  std::istringstream lines(watch.out());
+  std::size_t number = 0;
+  Json last;
+  for (std::string line; std::getline(lines, line); ++number) last = JsonReader::parse(line);
+  EXPECT_GE(number, 2u) << watch.out();
+  EXPECT_EQ(last["finished"].number, 1);
+}
+
+TEST(Why, tells_a_designs_story_by_id_beginning_or_values) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", study_with_a_hole());
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 4);
+  const Finished good = drumsweep(folder, {"why", "out", "--at", "1,0.03", "--json"});
+  ASSERT_EQ(good.code, 0) << good.err;
+  const Json json = JsonReader::parse(good.out);
+  EXPECT_EQ(json["state"].text, "done");
+  EXPECT_EQ(json["reason"].text, "");
+  EXPECT_EQ(json["values"]["base_width_m"].number, 0.03);
+  EXPECT_GT(json["f_m"].number, 0);
+  ASSERT_EQ(json["attempts"].list.size(), 1u);
+  EXPECT_EQ(json["attempts"].list[0]["event"].text, "done");
+  EXPECT_GT(json["attempts"].list[0]["wall_s"].number, 0);
+  ASSERT_EQ(json["files"].list.size(), 1u);
+
+  const std::string id = json["design_id"].text;
+  const Finished text = drumsweep(folder, {"why", "out", id.substr(0, 5)});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find(id), std::string::npos);
+
+  const Finished hole = drumsweep(folder, {"why", "out", "--at", "1,0.5"});
+  EXPECT_EQ(hole.code, 0) << hole.err;
+  EXPECT_NE(hole.out.find("state      failed: "), std::string::npos) << hole.out;
+  EXPECT_NE(hole.out.find("change the stage"), std::string::npos) << hole.out;
+
+  // A damaged recording.
+  const std::string path = folder / ("out/designs/" + id + ".h5");
+  std::string bytes = file_text(path);
+  bytes[bytes.size() - 5] ^= 1;
+  write_text(path, bytes);
+  const Finished damaged = drumsweep(folder, {"why", "out", id});
+  EXPECT_NE(damaged.out.find("state      damaged: "), std::string::npos) << damaged.out;
+
+  EXPECT_EQ(drumsweep(folder, {"why", "out"}).code, 2);
+  EXPECT_EQ(drumsweep(folder, {"why", "out", "zz"}).code, 2);
+  EXPECT_EQ(drumsweep(folder, {"why", "out", "--at", "1"}).code, 2);
+  EXPECT_EQ(drumsweep(folder, {"why", "out", "--at", "1,0.031"}).code, 2);
+  EXPECT_EQ(drumsweep(folder, {"why", "nowhere", id}).code, 2);
+}
+
+TEST(Run, a_finished_folder_is_read_again_without_a_change) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study());
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
+  const std::string csv = file_text(folder / "out/results.csv"), image = file_text(folder / "out/results.h5");
+  ASSERT_GT(image.size(), 1000u);
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
+  EXPECT_TRUE(file_text(folder / "out/results.csv") == csv);
+  EXPECT_TRUE(file_text(folder / "out/results.h5") == image);
+  std::filesystem::remove(folder / "out/results.h5");
+  std::filesystem::remove(folder / "out/results.csv");
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
+  EXPECT_TRUE(file_text(folder / "out/results.csv") == csv);
+  EXPECT_TRUE(file_text(folder / "out/results.h5") == image);
+}
+
 TEST(Simulate, json_is_complete_the_mass_balance_closes_and_it_agrees_with_the_sweep) {
   const TestFolder folder;
   write_text(folder / "study.toml", tiny_study());
@@ -170,7 +269,7 @@ TEST(Simulate, json_is_complete_the_mass_balance_closes_and_it_agrees_with_the_s
   ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
   EXPECT_NE(file_text(folder / "out/results.csv").find(json["state_hash"].text), std::string::npos);
   const std::string id = json["design_id"].text;
-  EXPECT_EQ(file_text(folder / ("one/" + id + ".h5")), file_text(folder / ("out/designs/" + id + ".h5")));
+  EXPECT_TRUE(file_text(folder / ("one/" + id + ".h5")) == file_text(folder / ("out/designs/" + id + ".h5")));
 
   // Its warm drum is used again, and refused when the study is another.
   const Finished again = drumsweep(folder, {"simulate", "study.toml", "--at", "3,0.03", "-o", "one"});

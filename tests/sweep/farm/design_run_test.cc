@@ -54,7 +54,7 @@ TEST_F(DesignRunTest, a_stopped_design_leaves_a_checkpoint_and_goes_on_inside_it
   const DesignOutcome outcome =
       simulate_and_store(paths, study, DrumState{}, plan.designs[0], 0, "here", [](const Progress&) { return false; });
   EXPECT_EQ(outcome.kind, DesignOutcome::Kind::stopped);
-  EXPECT_FALSE(has_recording(paths, plan.designs[0].id));
+  EXPECT_FALSE(has_loose_recording(paths, plan.designs[0].id));
   EXPECT_TRUE(std::filesystem::exists(paths.checkpoint(plan.designs[0].id)));
 
   const DesignOutcome second = simulate_and_store(paths, study, DrumState{}, plan.designs[0], 0, "here", {});

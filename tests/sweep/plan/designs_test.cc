@@ -113,5 +113,32 @@ RC_GTEST_PROP(Designs, a_finer_grid_contains_the_coarse_one, ()) {
   RC_ASSERT(plan.stages[1].shared == static_cast<std::size_t>(count));
 }
 
+TEST(Designs, an_impossible_design_leaves_no_trace_in_the_next) {
+  Study study = small_study();
+  study.stages = {{"list",
+                   "points",
+                   {{"outlet.opening_angle_rad", {}, {}, 1, {0.01, 0.02, 0.01}},
+                    {"outlet.base_width_m", {}, {}, 1, {0.04, 0.9, 0.05}}}}};
+  study.stages.push_back(grid("deg", {{"outlet.opening_angle_deg", 1, 2, 2, {}}}));
+  const Plan plan = plan_designs(study);
+  ASSERT_EQ(plan.designs.size(), 5u);
+  EXPECT_TRUE(plan.designs[0].impossible.empty());
+  EXPECT_TRUE(plan.designs[1].impossible.empty());
+  EXPECT_FALSE(plan.designs[2].impossible.empty());
+  // Columns: angle in rad, width, angle in deg; the other unit of a given angle is absent.
+  EXPECT_TRUE(std::isnan(plan.designs[0].row[2]));
+  EXPECT_TRUE(std::isnan(plan.designs[3].row[0]));
+  EXPECT_EQ(plan.designs[3].row[1], study.outlet.base_width_m);
+}
+
+TEST(Designs, ten_thousand_points_are_planned_at_once) {
+  Study study = small_study();
+  StageVariable width{"outlet.base_width_m", {}, {}, 1, {}};
+  for (int i = 0; i < 10000; ++i) width.values.push_back(0.04 + 1e-6 * i);
+  study.stages = {{"list", "points", {width}}};
+  validate(study);
+  EXPECT_EQ(plan_designs(study).designs.size(), 10000u);  // was quadratic: minutes
+}
+
 }  // namespace
 }  // namespace drumsweep
