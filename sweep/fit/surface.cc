@@ -56,7 +56,8 @@ std::vector<Prior> priors_of(std::size_t num_axes) {
 /// Rows from which the parameters are chosen; the fit itself takes all.
 constexpr std::size_t most_rows_for_parameters = 240;
 
-/// The trend h(x) of F: a plane. A constant and a quadratic were no better on the quick drum.
+/// The trend h(x) of F: a plane. On the quick drum a constant and a quadratic changed the log score of left-out rows by
+/// less than 0.03 a row.
 constexpr int trend_order = 1;
 
 }  // namespace

@@ -14,8 +14,8 @@
 ///
 /// On the quick drum the rows' error is 1 to 2 times their own sigma but neighbours of one replicate share over nine
 /// tenths of it: a fit of one replicate looks five times as exact as it is, which is why C is in the model.
-/// Rejected, on the same data: log f (log score of left-out rows 0.15 a row worse with the footprint window, 0.03
-/// better with the belt).
+/// Rejected, on the same data without C: log f (log score of left-out rows 0.15 a row worse with the footprint window,
+/// 0.04 better with the belt).
 #pragma once
 
 #include <Eigen/Dense>
