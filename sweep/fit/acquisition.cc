@@ -20,7 +20,7 @@ double normal_density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2 * 
 double normal_below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
 
 /// Lattice points over the box, where the minimum may be, and those known.
-std::vector<Point> candidate_points(const Surface& surface, int count, std::int64_t seed,
+std::vector<Point> candidate_points(const FittedSurface& surface, int count, std::int64_t seed,
                                     const std::function<bool(const Point&)>& allowed) {
   const Box& box = surface.box();
   std::vector<Point> out;
@@ -56,7 +56,7 @@ struct Choice {
 };
 
 /// The run with the largest gain among those not taken.
-Choice best_run(const Surface& surface, const std::vector<Point>& points, const std::vector<double>& replicates,
+Choice best_run(const FittedSurface& surface, const std::vector<Point>& points, const std::vector<double>& replicates,
                 const std::set<Run>& taken) {
   std::vector<Site> targets, runs;
   for (const Point& point : points) targets.push_back({point, std::nullopt});
@@ -113,7 +113,7 @@ double expected_drop(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return drop;
 }
 
-Batch next_batch(const Surface& surface, int count, std::int64_t seed, const AcquisitionOptions& options,
+Batch next_batch(const FittedSurface& surface, int count, std::int64_t seed, const AcquisitionOptions& options,
                  const std::function<bool(const Point&)>& allowed) {
   const std::vector<Point> points = candidate_points(surface, options.num_candidates, seed, allowed);
   std::set<Point> known;
@@ -123,7 +123,7 @@ Batch next_batch(const Surface& surface, int count, std::int64_t seed, const Acq
     taken.insert({row.at, row.replicate});
   }
   Batch out;
-  Surface fit = surface;
+  FittedSurface fit = surface;
   int num_known = 0;
   std::set<double> replicates;
   for (int i = 0; i < count; ++i) {

@@ -36,7 +36,7 @@ struct AcquisitionOptions {
 };
 
 /// @param allowed false for points without a drum (holes); they are neither proposed nor thought best
-Batch next_batch(const Surface& surface, int count, std::int64_t seed, const AcquisitionOptions& options = {},
+Batch next_batch(const FittedSurface& surface, int count, std::int64_t seed, const AcquisitionOptions& options = {},
                  const std::function<bool(const Point&)>& allowed = {});
 
 /// E[min_j (a_j + b_j Z)] - min_j a_j for standard normal Z; <= 0. Exact by the lower envelope of the lines.

@@ -11,7 +11,7 @@ namespace {
 
 double square(double x) { return x * x; }
 
-GateFigures figures_of(const Surface& surface) {
+GateFigures figures_of(const FittedSurface& surface) {
   const std::vector<Measurement>& rows = surface.rows();
   const Pooled pooled = pool(surface.box(), rows);
   const auto n = static_cast<double>(rows.size());
@@ -101,7 +101,7 @@ Gate too_few_points(const Box& box, int num_rows, int num_points, const GateLimi
   return out;
 }
 
-Gate gate(const Surface& surface, const GateLimits& limits) {
+Gate gate(const FittedSurface& surface, const GateLimits& limits) {
   Gate out;
   out.figures = figures_of(surface);
   if (out.figures.num_points < points_for_a_fit(surface.box(), limits))

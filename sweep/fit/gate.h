@@ -48,7 +48,7 @@ struct GateLimits {
   double amplitude_over_error = 4;  ///< a smooth shared error alone ranges over 2 to 3 of its sd
 };
 
-Gate gate(const Surface& surface, const GateLimits& limits = {});
+Gate gate(const FittedSurface& surface, const GateLimits& limits = {});
 
 /// For a surface that cannot be fitted for want of points. @param num_points distinct ones with a value
 Gate too_few_points(const Box& box, int num_rows, int num_points, const GateLimits& limits = {});

@@ -48,7 +48,7 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
   return Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
 }
 
-std::vector<Point> drawn_argmins(const std::vector<Surface>& surfaces, const std::vector<Point>& candidates,
+std::vector<Point> drawn_argmins(const std::vector<FittedSurface>& surfaces, const std::vector<Point>& candidates,
                                  int num_draws, std::int64_t seed, std::uint32_t round) {
   const int each = (num_draws + static_cast<int>(surfaces.size()) - 1) / static_cast<int>(surfaces.size());
   std::vector<Point> out;
@@ -83,7 +83,7 @@ std::pair<Point, Point> around(const Box& box, const std::vector<Point>& points)
 }
 
 /// Minimum of the mean near `start`, in unit coordinates so that steps mean the same in every variable.
-Point polished(const Surface& surface, const Point& start) {
+Point polished(const FittedSurface& surface, const Point& start) {
   const Box& box = surface.box();
   const std::size_t d = box.size();
   // A second, idle variable where there is one only: BOBYQA needs two.
@@ -98,7 +98,7 @@ Point polished(const Surface& surface, const Point& start) {
 }
 
 /// The best lattice point within one step: rounding alone may go up the wall of a valley.
-Point best_lattice_point(const Surface& surface, const Point& at) {
+Point best_lattice_point(const FittedSurface& surface, const Point& at) {
   const Box& box = surface.box();
   std::vector<Point> tries(1);
   for (std::size_t k = 0; k < box.size(); ++k) {
@@ -133,7 +133,7 @@ double quantile(std::vector<double> values, double share) {
 
 }  // namespace
 
-Optimum optimum(const Surface& surface, std::int64_t seed, const OptimumOptions& options) {
+Optimum optimum(const FittedSurface& surface, std::int64_t seed, const OptimumOptions& options) {
   const Box& box = surface.box();
   Point low, high;
   for (const DesignAxis& axis : box) {
@@ -141,8 +141,8 @@ Optimum optimum(const Surface& surface, std::int64_t seed, const OptimumOptions&
     high.push_back(axis.high);
   }
 
-  const std::vector<Surface> surfaces =
-      options.num_surfaces > 1 ? surface.drawn(options.num_surfaces, seed) : std::vector<Surface>{surface};
+  const std::vector<FittedSurface> surfaces =
+      options.num_surfaces > 1 ? surface.drawn(options.num_surfaces, seed) : std::vector<FittedSurface>{surface};
 
   // Surfaces over the box, then over the part where their minima lie.
   std::vector<Point> candidates = candidates_in(low, high, options.num_candidates, seed);

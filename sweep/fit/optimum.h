@@ -29,6 +29,6 @@ struct OptimumOptions {
 };
 
 /// Global: the lowest of the candidates is polished. Deterministic in (surface, seed).
-Optimum optimum(const Surface& surface, std::int64_t seed, const OptimumOptions& options = {});
+Optimum optimum(const FittedSurface& surface, std::int64_t seed, const OptimumOptions& options = {});
 
 }  // namespace drumsweep

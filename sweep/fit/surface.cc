@@ -63,13 +63,14 @@ constexpr int trend_order = 1;
 }  // namespace
 
 /// Sites as the kernel wants them.
-struct Surface::Places {
+struct FittedSurface::Places {
   std::vector<Point> unit;
   std::vector<double> replicate;  ///< NaN: F, equal to nothing
   Eigen::VectorXd sigma;          ///< s(x) [m]
 };
 
-Surface::Places Surface::places_of(const Box& box, const NoiseTrend& trend, const std::vector<Site>& sites) {
+FittedSurface::Places FittedSurface::places_of(const Box& box, const NoiseTrend& trend,
+                                               const std::vector<Site>& sites) {
   Places out;
   out.sigma.resize(index(sites.size()));
   for (const Site& site : sites) {
@@ -80,19 +81,19 @@ Surface::Places Surface::places_of(const Box& box, const NoiseTrend& trend, cons
   return out;
 }
 
-Surface::Places Surface::row_places(const std::vector<std::size_t>& subset) const {
+FittedSurface::Places FittedSurface::row_places(const std::vector<std::size_t>& subset) const {
   std::vector<Site> sites;
   for (const std::size_t i : subset) sites.push_back({rows_[i].at, rows_[i].replicate});
   return places_of(box_, trend_, sites);
 }
 
-std::vector<std::size_t> Surface::all_rows() const {
+std::vector<std::size_t> FittedSurface::all_rows() const {
   std::vector<std::size_t> all(rows_.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   return all;
 }
 
-Surface::Surface(const Box& box, std::vector<Measurement> rows) : box_(box), rows_(std::move(rows)) {
+FittedSurface::FittedSurface(const Box& box, std::vector<Measurement> rows) : box_(box), rows_(std::move(rows)) {
   Pooled pooled = pool(box, rows_);
   own_sigma_ = std::move(pooled.own_sigma_m);
   trend_ = std::move(pooled.trend);
@@ -106,7 +107,7 @@ Surface::Surface(const Box& box, std::vector<Measurement> rows) : box_(box), row
   factorise(all_rows());
 }
 
-std::vector<std::size_t> Surface::rows_for_parameters() const {
+std::vector<std::size_t> FittedSurface::rows_for_parameters() const {
   std::vector<std::size_t> subset = all_rows();
   if (subset.size() <= most_rows_for_parameters) return subset;
   // Evenly by a golden step, so that no line of a grid is left out as a whole.
@@ -119,7 +120,7 @@ std::vector<std::size_t> Surface::rows_for_parameters() const {
 }
 
 /// Covariance of F + C on z.
-Eigen::MatrixXd Surface::kernel(const Places& a, const Places& b) const {
+Eigen::MatrixXd FittedSurface::kernel(const Places& a, const Places& b) const {
   const double f2 = square(parameters_.amplitude_m / spread_);
   const double c2 = square(parameters_.rho / spread_) * parameters_.shared;
   Eigen::MatrixXd k(index(a.unit.size()), index(b.unit.size()));
@@ -139,7 +140,7 @@ Eigen::MatrixXd Surface::kernel(const Places& a, const Places& b) const {
 }
 
 /// Everything that follows from the parameters. @return false when K is not positive definite.
-bool Surface::factorise(const std::vector<std::size_t>& subset) {
+bool FittedSurface::factorise(const std::vector<std::size_t>& subset) {
   const Places places = row_places(subset);
   const Eigen::Index n = index(subset.size());
   Eigen::MatrixXd k = kernel(places, places);
@@ -172,7 +173,7 @@ bool Surface::factorise(const std::vector<std::size_t>& subset) {
 }
 
 /// theta: log lengths of F, log amplitude, log rho, log odds of the share, log length of C.
-void Surface::set_parameters(const std::vector<double>& theta) {
+void FittedSurface::set_parameters(const std::vector<double>& theta) {
   const std::size_t d = box_.size();
   theta_ = theta;
   parameters_.length.resize(d);
@@ -184,7 +185,7 @@ void Surface::set_parameters(const std::vector<double>& theta) {
 }
 
 /// - log of likelihood times priors, but for a constant.
-double Surface::cost(const std::vector<double>& theta, const std::vector<std::size_t>& subset) {
+double FittedSurface::cost(const std::vector<double>& theta, const std::vector<std::size_t>& subset) {
   set_parameters(theta);
   if (!factorise(subset)) return std::numeric_limits<double>::infinity();
   const std::vector<Prior> priors = priors_of(box_.size());
@@ -193,7 +194,7 @@ double Surface::cost(const std::vector<double>& theta, const std::vector<std::si
   return 0.5 * prior - log_likelihood_;
 }
 
-void Surface::choose_parameters(const std::vector<std::size_t>& subset) {
+void FittedSurface::choose_parameters(const std::vector<std::size_t>& subset) {
   const std::size_t d = box_.size();
   std::vector<double> low, high;
   for (const Prior& prior : priors_of(d)) {
@@ -221,10 +222,10 @@ void Surface::choose_parameters(const std::vector<std::size_t>& subset) {
   set_parameters(best.at);
 }
 
-std::vector<Surface> Surface::drawn(int count, std::int64_t seed) const {
+std::vector<FittedSurface> FittedSurface::drawn(int count, std::int64_t seed) const {
   constexpr int steps_a_surface = 20;
   const std::vector<std::size_t> subset = rows_for_parameters();
-  Surface walker = *this;
+  FittedSurface walker = *this;
   std::vector<double> at = theta_;
   double here = walker.cost(at, subset);
 
@@ -241,7 +242,7 @@ std::vector<Surface> Surface::drawn(int count, std::int64_t seed) const {
     width.push_back(2.4 / std::sqrt(static_cast<double>(at.size())) * std::min(own, priors[k].sd));
   }
 
-  std::vector<Surface> out;
+  std::vector<FittedSurface> out;
   for (int step = 0; step < count * steps_a_surface; ++step) {
     const auto draw = [&](std::size_t k) {
       return uniform4(seed, Purpose::fit_parameters, static_cast<std::uint64_t>(step), static_cast<std::uint32_t>(k));
@@ -264,15 +265,15 @@ std::vector<Surface> Surface::drawn(int count, std::int64_t seed) const {
   return out;
 }
 
-Surface Surface::with_row(const Measurement& row) const {
-  Surface out = *this;
+FittedSurface FittedSurface::with_row(const Measurement& row) const {
+  FittedSurface out = *this;
   out.rows_.push_back(row);
   out.own_sigma_.push_back(trend_.sigma(box_, row.at));
   out.factorise(out.all_rows());
   return out;
 }
 
-Eigen::VectorXd Surface::mean(const std::vector<Site>& sites) const {
+Eigen::VectorXd FittedSurface::mean(const std::vector<Site>& sites) const {
   const Places places = places_of(box_, trend_, sites);
   Eigen::VectorXd z = kernel(row_places(all_rows()), places).transpose() * weights_;
   for (std::size_t i = 0; i < sites.size(); ++i) z[index(i)] += polynomial(places.unit[i], trend_order).dot(beta_);
@@ -280,12 +281,12 @@ Eigen::VectorXd Surface::mean(const std::vector<Site>& sites) const {
 }
 
 /// What the rows say about sites: L^-1 K* and its like of the trend.
-struct Surface::Given {
+struct FittedSurface::Given {
   Places places;
   Eigen::MatrixXd of_rows, of_trend;
 };
 
-Surface::Given Surface::given(const std::vector<Site>& sites) const {
+FittedSurface::Given FittedSurface::given(const std::vector<Site>& sites) const {
   Given out{places_of(box_, trend_, sites), {}, {}};
   const Eigen::MatrixXd cross = kernel(row_places(all_rows()), out.places);
   Eigen::MatrixXd h(basis_.cols(), index(sites.size()));
@@ -295,14 +296,14 @@ Surface::Given Surface::given(const std::vector<Site>& sites) const {
   return out;
 }
 
-Eigen::MatrixXd Surface::covariance(const std::vector<Site>& a, const std::vector<Site>& b) const {
+Eigen::MatrixXd FittedSurface::covariance(const std::vector<Site>& a, const std::vector<Site>& b) const {
   // K_ab - K_a' K^-1 K_b + R_a' (H' K^-1 H)^-1 R_b,  R = H*' - H' K^-1 K*.
   const Given of_a = given(a), of_b = given(b);
   return square(spread_) * (kernel(of_a.places, of_b.places) - of_a.of_rows.transpose() * of_b.of_rows +
                             of_a.of_trend.transpose() * of_b.of_trend);
 }
 
-Eigen::VectorXd Surface::variance(const std::vector<Site>& sites) const {
+Eigen::VectorXd FittedSurface::variance(const std::vector<Site>& sites) const {
   const Given of = given(sites);
   Eigen::VectorXd out(index(sites.size()));
   for (Eigen::Index i = 0; i < out.size(); ++i) {
@@ -313,30 +314,32 @@ Eigen::VectorXd Surface::variance(const std::vector<Site>& sites) const {
   return out;
 }
 
-Posterior Surface::posterior(const std::vector<Site>& sites) const { return {mean(sites), covariance(sites, sites)}; }
+Posterior FittedSurface::posterior(const std::vector<Site>& sites) const {
+  return {mean(sites), covariance(sites, sites)};
+}
 
-Posterior Surface::posterior(const std::vector<Point>& points) const {
+Posterior FittedSurface::posterior(const std::vector<Point>& points) const {
   std::vector<Site> sites;
   for (const Point& point : points) sites.push_back({point, std::nullopt});
   return posterior(sites);
 }
 
-double Surface::mean_m(const Point& at) const { return mean({{at, std::nullopt}})[0]; }
+double FittedSurface::mean_m(const Point& at) const { return mean({{at, std::nullopt}})[0]; }
 
-double Surface::sd_m(const Point& at) const {
+double FittedSurface::sd_m(const Point& at) const {
   const std::vector<Site> site = {{at, std::nullopt}};
   return std::sqrt(std::max(0.0, covariance(site, site)(0, 0)));
 }
 
-double Surface::run_sd_m(const Point& at) const {
+double FittedSurface::run_sd_m(const Point& at) const {
   return parameters_.rho * std::sqrt(1 - parameters_.shared) * trend_.sigma(box_, at);
 }
 
-double Surface::shared_sd_m(const Point& at) const {
+double FittedSurface::shared_sd_m(const Point& at) const {
   return parameters_.rho * std::sqrt(parameters_.shared) * trend_.sigma(box_, at);
 }
 
-std::vector<LeftOut> Surface::leave_one_out() const {
+std::vector<LeftOut> FittedSurface::leave_one_out() const {
   // P = K^-1 - K^-1 H (H' K^-1 H)^-1 H' K^-1; error_i = (P z)_i / P_ii, variance_i = 1 / P_ii.
   const Eigen::Index n = index(rows_.size());
   Eigen::MatrixXd p = factor_.solve(Eigen::MatrixXd::Identity(n, n));

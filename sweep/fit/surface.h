@@ -54,10 +54,10 @@ struct LeftOut {
   double sd_m = 0;     ///< of that difference, the row's own error included
 };
 
-class Surface {
+class FittedSurface {
  public:
   /// Deterministic. @pre at least num_axes + 2 rows, finite f_m, points inside the box
-  Surface(const Box& box, std::vector<Measurement> rows);
+  FittedSurface(const Box& box, std::vector<Measurement> rows);
 
   double mean_m(const Point& at) const;  ///< of F
   double sd_m(const Point& at) const;    ///< of F
@@ -73,9 +73,9 @@ class Surface {
   double shared_sd_m(const Point& at) const;  ///< sd of C
   /// The same rows with other parameters, drawn from their posterior by a Metropolis walk from the most likely ones: what
   /// few rows leave open about lengths and noise. Deterministic in the seed. Cost: 20 likelihoods a surface.
-  std::vector<Surface> drawn(int count, std::int64_t seed) const;
+  std::vector<FittedSurface> drawn(int count, std::int64_t seed) const;
   /// The same parameters with one more row. For batches: a row not yet measured, at its prediction.
-  Surface with_row(const Measurement& row) const;
+  FittedSurface with_row(const Measurement& row) const;
 
   const Box& box() const { return box_; }
   const std::vector<Measurement>& rows() const { return rows_; }

@@ -55,7 +55,7 @@ Grid read_grid(const std::filesystem::path& path, const std::string& column) {
 
 /// The truth with noise as measured.
 struct World {
-  const Surface& truth;
+  const FittedSurface& truth;
   std::map<Point, double> values = {};  // of the truth, as asking costs
 
   double value(const Point& at) {
@@ -93,7 +93,7 @@ struct Found {
 
 using Trace = std::vector<Found>;
 
-Found from_fit(const Surface& fit, int num_runs, std::int64_t seed, const Point& best) {
+Found from_fit(const FittedSurface& fit, int num_runs, std::int64_t seed, const Point& best) {
   const Optimum o = optimum(fit, seed, {250, 250, 8});
   Found out{num_runs, o.at, 0, 0};
   for (std::size_t k = 0; k < best.size(); ++k) {
@@ -116,7 +116,7 @@ Trace grid_and_lowest_row(World& world, std::int64_t seed, const Point& best, bo
     const auto lowest =
         std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.f_m < b.f_m; });
     const int num = side * side;
-    out.push_back(fitted ? from_fit(Surface(world.truth.box(), rows), num, seed, best) : Found{num, lowest->at});
+    out.push_back(fitted ? from_fit(FittedSurface(world.truth.box(), rows), num, seed, best) : Found{num, lowest->at});
   }
   return out;
 }
@@ -154,7 +154,7 @@ Trace adaptive(World& world, std::int64_t seed, const Point& best, int first, bo
     rows.push_back(world.measure(at, spread ? static_cast<double>(rows.size()) : 0, seed));
   Trace out;
   for (;;) {
-    const Surface fit(box, rows);
+    const FittedSurface fit(box, rows);
     out.push_back(from_fit(fit, static_cast<int>(rows.size()), seed, best));
     if (static_cast<int>(rows.size()) + batch > most) return out;
     for (const Proposal& run : next_batch(fit, batch, seed).runs)
@@ -198,7 +198,7 @@ void print(const std::string& name, World& world, const std::vector<Trace>& trac
 
 int run(const std::filesystem::path& path, const std::string& column, int num_seeds) {
   const Grid grid = read_grid(path, column);
-  const Surface truth(grid.box, grid.rows);
+  const FittedSurface truth(grid.box, grid.rows);
   World world{truth};
   const Pooled pooled = pool(grid.box, grid.rows);
   const SurfaceParameters& p = truth.parameters();

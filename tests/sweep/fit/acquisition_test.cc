@@ -38,7 +38,7 @@ TEST(NextBatch, runs_are_lattice_points_inside_none_known_none_twice_and_repeata
   Laboratory lab;
   lab.truth = Valley(2);
   const std::vector<Measurement> rows = lab.measure(space_filling(lab.box, 12, 2));
-  const Surface fit(lab.box, rows);
+  const FittedSurface fit(lab.box, rows);
   const auto allowed = [](const Point& at) { return at[0] > 1; };
   const Batch batch = next_batch(fit, 8, 3, {}, allowed), again = next_batch(fit, 8, 3, {}, allowed);
   ASSERT_EQ(batch.runs.size(), 8u);
@@ -61,7 +61,7 @@ TEST(NextBatch, a_surface_known_from_one_replicate_is_measured_in_others_too) {
   for (std::int64_t seed = 1; seed <= 5; ++seed) {
     Laboratory lab;
     lab.truth = Valley(seed);
-    const Batch batch = next_batch(Surface(lab.box, lab.measure(space_filling(lab.box, 30, seed))), 6, 1);
+    const Batch batch = next_batch(FittedSurface(lab.box, lab.measure(space_filling(lab.box, 30, seed))), 6, 1);
     for (const Proposal& run : batch.runs) others += run.replicate > 0;
   }
   EXPECT_GE(others, 15) << "of 30";
@@ -77,14 +77,14 @@ TEST(NextBatch, the_gain_falls_as_runs_are_added_and_the_optimum_is_approached) 
     lab.seed = seed;
     const double lowest = valley({valley.at[0], valley.at[1]});
     std::vector<Measurement> rows = lab.measure(space_filling(lab.box, 10, seed));
-    regret_before += valley(to_unit(lab.box, optimum(Surface(lab.box, rows), seed).at)) - lowest;
+    regret_before += valley(to_unit(lab.box, optimum(FittedSurface(lab.box, rows), seed).at)) - lowest;
     for (int round = 0; round < 5; ++round) {
-      const Batch batch = next_batch(Surface(lab.box, rows), 6, seed, {90, 6});
+      const Batch batch = next_batch(FittedSurface(lab.box, rows), 6, seed, {90, 6});
       (round == 0 ? first : last) = batch.batch_gain_m;
       for (const Proposal& run : batch.runs) rows.push_back(lab.measure(run.at, run.replicate));
     }
     EXPECT_LT(last, 0.6 * first) << seed;
-    regret_after += valley(to_unit(lab.box, optimum(Surface(lab.box, rows), seed).at)) - lowest;
+    regret_after += valley(to_unit(lab.box, optimum(FittedSurface(lab.box, rows), seed).at)) - lowest;
   }
   EXPECT_LT(regret_after, 0.4 * regret_before);
   EXPECT_LT(regret_after / num_seeds, 0.0002);  // a third of the sigma of one run

@@ -19,7 +19,7 @@ std::map<GateVerdict, int> verdicts(const Laboratory& model, bool valley, int nu
     lab.seed = seed;
     if (valley) lab.truth = Valley(seed);
     const Gate verdict =
-        gate(Surface(lab.box, lab.measure(space_filling(lab.box, static_cast<std::size_t>(num_points), seed))));
+        gate(FittedSurface(lab.box, lab.measure(space_filling(lab.box, static_cast<std::size_t>(num_points), seed))));
     EXPECT_FALSE(verdict.reason.empty());
     ++out[verdict.verdict];
   }

@@ -20,8 +20,8 @@ Coverage coverage(const Laboratory& model, int num_points, int num_replicates, i
     const Valley valley(seed);
     lab.truth = valley;
     lab.seed = seed;
-    const Surface fit(lab.box,
-                      lab.measure(space_filling(lab.box, static_cast<std::size_t>(num_points), seed), num_replicates));
+    const FittedSurface fit(
+        lab.box, lab.measure(space_filling(lab.box, static_cast<std::size_t>(num_points), seed), num_replicates));
     const Optimum best = optimum(fit, seed, {150, 160, 8});
     const Point low = to_unit(lab.box, best.low), high = to_unit(lab.box, best.high);
     for (std::size_t k = 0; k < 2; ++k)
@@ -48,7 +48,7 @@ TEST(Optimum, a_sharp_minimum_without_noise_is_found_to_the_lattice_and_on_a_fac
   lab.sigma_m = 1e-8;
   for (const double x : {0.35, 0.0, 1.0}) {
     lab.truth = [x](const Point& u) { return 0.01 + 0.02 * std::pow(u[0] - x, 2) + 0.02 * std::pow(u[1] - 0.6, 2); };
-    const Optimum best = optimum(Surface(lab.box, lab.measure(space_filling(lab.box, 30, 1))), 1);
+    const Optimum best = optimum(FittedSurface(lab.box, lab.measure(space_filling(lab.box, 30, 1))), 1);
     const Point unit = to_unit(lab.box, best.at);
     EXPECT_NEAR(unit[0], x, 0.02);
     EXPECT_NEAR(unit[1], 0.6, 0.02);
@@ -68,7 +68,7 @@ TEST(Optimum, of_two_valleys_the_deeper_is_found_whichever_is_wider) {
     };
     return 0.02 - 0.004 * pit(0.25, 0.3, 0.4) - 0.007 * pit(0.8, 0.8, 0.15);
   };
-  const Optimum best = optimum(Surface(lab.box, lab.measure(space_filling(lab.box, 60, 1))), 1);
+  const Optimum best = optimum(FittedSurface(lab.box, lab.measure(space_filling(lab.box, 60, 1))), 1);
   EXPECT_NEAR(to_unit(lab.box, best.at)[0], 0.8, 0.05);
   EXPECT_NEAR(to_unit(lab.box, best.at)[1], 0.8, 0.05);
 }
@@ -76,7 +76,7 @@ TEST(Optimum, of_two_valleys_the_deeper_is_found_whichever_is_wider) {
 TEST(Optimum, the_same_fit_and_seed_give_the_same_bits) {
   Laboratory lab;
   lab.truth = Valley(1);
-  const Surface fit(lab.box, lab.measure(space_filling(lab.box, 16, 1)));
+  const FittedSurface fit(lab.box, lab.measure(space_filling(lab.box, 16, 1)));
   const Optimum a = optimum(fit, 5), b = optimum(fit, 5);
   EXPECT_EQ(a.argmins, b.argmins);
   EXPECT_EQ(a.at, b.at);

@@ -14,14 +14,14 @@ Laboratory laboratory(std::int64_t seed) {
   return lab;
 }
 
-TEST(Surface, left_out_rows_of_the_closed_form_are_those_of_a_fit_without_them) {
+TEST(FittedSurface, left_out_rows_of_the_closed_form_are_those_of_a_fit_without_them) {
   const Laboratory lab = laboratory(3);
   std::vector<Measurement> rows = lab.measure(space_filling(lab.box, 8, 3), 2);
   const Measurement last = rows.back();
   rows.pop_back();
   // with_row keeps the parameters, so the fit without the last row is `fit`.
-  const Surface fit(lab.box, rows);
-  const Surface whole = fit.with_row(last);
+  const FittedSurface fit(lab.box, rows);
+  const FittedSurface whole = fit.with_row(last);
   const Site site = {last.at, last.replicate};
   const LeftOut left = whole.leave_one_out().back();
   EXPECT_NEAR(left.error_m, last.f_m - fit.mean({site})[0], 1e-9);
@@ -29,7 +29,7 @@ TEST(Surface, left_out_rows_of_the_closed_form_are_those_of_a_fit_without_them) 
   EXPECT_NEAR(fit.variance({site})[0], fit.covariance({site}, {site})(0, 0), 1e-15);
 }
 
-TEST(Surface, the_truth_lies_within_the_stated_errors) {
+TEST(FittedSurface, the_truth_lies_within_the_stated_errors) {
   // Mean square of (fit - truth) / sd over the box and 25 seeds: 1 when honest; shared error included.
   double one = 0, three = 0;
   constexpr int num_seeds = 25;
@@ -38,7 +38,7 @@ TEST(Surface, the_truth_lies_within_the_stated_errors) {
     const std::vector<Point> points = space_filling(lab.box, 16, seed),
                              probes = space_filling(lab.box, 30, seed + 1000);
     for (const int num_replicates : {1, 3}) {
-      const Surface fit(lab.box, lab.measure(points, num_replicates));
+      const FittedSurface fit(lab.box, lab.measure(points, num_replicates));
       const Posterior p = fit.posterior(probes);
       for (Eigen::Index i = 0; i < p.mean.size(); ++i) {
         const double truth = lab.truth(to_unit(lab.box, probes[static_cast<std::size_t>(i)]));
@@ -54,23 +54,23 @@ TEST(Surface, the_truth_lies_within_the_stated_errors) {
   EXPECT_LT(three, 1.6);
 }
 
-TEST(Surface, replicates_tell_the_shared_error_from_the_surface) {
+TEST(FittedSurface, replicates_tell_the_shared_error_from_the_surface) {
   const Laboratory lab = laboratory(5);
-  const Surface fit(lab.box, lab.measure(space_filling(lab.box, 20, 5), 4));
+  const FittedSurface fit(lab.box, lab.measure(space_filling(lab.box, 20, 5), 4));
   EXPECT_NEAR(fit.parameters().rho, 1, 0.4);
   EXPECT_GT(fit.parameters().shared, 0.75);
   EXPECT_LT(fit.parameters().shared, 0.98);
 }
 
-TEST(Surface, a_function_without_noise_is_met_between_its_points) {
+TEST(FittedSurface, a_function_without_noise_is_met_between_its_points) {
   Laboratory lab = laboratory(2);
   lab.sigma_m = 1e-9;
-  const Surface fit(lab.box, lab.measure(space_filling(lab.box, 40, 2)));
+  const FittedSurface fit(lab.box, lab.measure(space_filling(lab.box, 40, 2)));
   for (const Point& at : space_filling(lab.box, 30, 77))
     EXPECT_NEAR(fit.mean_m(at), lab.truth(to_unit(lab.box, at)), 1e-4) << at[0] << " " << at[1];
 }
 
-TEST(Surface, one_and_four_variables_are_fitted_too) {
+TEST(FittedSurface, one_and_four_variables_are_fitted_too) {
   for (const std::size_t d : {1u, 4u}) {
     Laboratory lab;
     lab.box.clear();
@@ -80,16 +80,16 @@ TEST(Surface, one_and_four_variables_are_fitted_too) {
       for (const double u : unit) sum += 0.01 * (u - 0.4) * (u - 0.4);
       return sum;
     };
-    const Surface fit(lab.box, lab.measure(space_filling(lab.box, 15 * d, 1), 2));
+    const FittedSurface fit(lab.box, lab.measure(space_filling(lab.box, 15 * d, 1), 2));
     const Point best(d, 0.4);
     EXPECT_NEAR(fit.mean_m(best), 0.01, 4 * fit.sd_m(best));
   }
 }
 
-TEST(Surface, the_same_rows_give_the_same_bits) {
+TEST(FittedSurface, the_same_rows_give_the_same_bits) {
   const Laboratory lab = laboratory(1);
   const std::vector<Measurement> rows = lab.measure(space_filling(lab.box, 12, 1));
-  const Surface a(lab.box, rows), b(lab.box, rows);
+  const FittedSurface a(lab.box, rows), b(lab.box, rows);
   EXPECT_EQ(a.mean_m({3, 0.04}), b.mean_m({3, 0.04}));
   EXPECT_EQ(a.sd_m({3, 0.04}), b.sd_m({3, 0.04}));
 }
