@@ -15,7 +15,8 @@ enum class Purpose : std::uint32_t {
   fill = 4,
   ball_size = 5,
   space_filling = 6,
-  posterior_draw = 7
+  posterior_draw = 7,
+  fit_parameters = 8
 };
 
 inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {

@@ -29,7 +29,7 @@ std::vector<Point> candidate_points(const FittedSurface& surface, int count, std
     const Point at = quantised(box, point);
     if (seen.insert(at).second && (!allowed || allowed(at))) out.push_back(at);
   };
-  const Optimum best = optimum(surface, seed, {200, 2 * count});
+  const Optimum best = optimum(surface, seed, {200, 2 * count, 4});
   add(best.at);
   for (const Measurement& row : surface.rows()) add(row.at);
   for (const Point& point : space_filling(box, static_cast<std::size_t>(count / 3), seed)) add(point);

@@ -48,16 +48,20 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& covariance) {
   return Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
 }
 
-std::vector<Point> drawn_argmins(const FittedSurface& surface, const std::vector<Point>& candidates, int num_draws,
-                                 std::int64_t seed, std::uint32_t round) {
-  const Posterior p = surface.posterior(candidates);
-  const Eigen::MatrixXd root = square_root(p.covariance);
-  const Eigen::MatrixXd draws = root * normals(root.rows(), num_draws, seed, round);
+std::vector<Point> drawn_argmins(const std::vector<FittedSurface>& surfaces, const std::vector<Point>& candidates,
+                                 int num_draws, std::int64_t seed, std::uint32_t round) {
+  const int each = (num_draws + static_cast<int>(surfaces.size()) - 1) / static_cast<int>(surfaces.size());
   std::vector<Point> out;
-  for (Eigen::Index j = 0; j < draws.cols(); ++j) {
-    Eigen::Index lowest = 0;
-    (p.mean + draws.col(j)).minCoeff(&lowest);
-    out.push_back(candidates[static_cast<std::size_t>(lowest)]);
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    const Posterior p = surfaces[s].posterior(candidates);
+    const Eigen::MatrixXd root = square_root(p.covariance);
+    const auto stream = round + 2 * static_cast<std::uint32_t>(s);
+    const Eigen::MatrixXd draws = root * normals(root.rows(), each, seed, stream);
+    for (Eigen::Index j = 0; j < draws.cols(); ++j) {
+      Eigen::Index lowest = 0;
+      (p.mean + draws.col(j)).minCoeff(&lowest);
+      out.push_back(candidates[static_cast<std::size_t>(lowest)]);
+    }
   }
   return out;
 }
@@ -137,13 +141,16 @@ Optimum optimum(const FittedSurface& surface, std::int64_t seed, const OptimumOp
     high.push_back(axis.high);
   }
 
+  const std::vector<FittedSurface> surfaces =
+      options.num_surfaces > 1 ? surface.drawn(options.num_surfaces, seed) : std::vector<FittedSurface>{surface};
+
   // Surfaces over the box, then over the part where their minima lie.
   std::vector<Point> candidates = candidates_in(low, high, options.num_candidates, seed);
-  const std::vector<Point> coarse = drawn_argmins(surface, candidates, options.num_draws, seed, 0);
+  const std::vector<Point> coarse = drawn_argmins(surfaces, candidates, options.num_draws, seed, 0);
   const auto [inner_low, inner_high] = around(box, coarse);
   const std::vector<Point> inner = candidates_in(inner_low, inner_high, options.num_candidates, seed + 1);
   Optimum out;
-  out.argmins = drawn_argmins(surface, inner, options.num_draws, seed, 1);
+  out.argmins = drawn_argmins(surfaces, inner, options.num_draws, seed, 1);
 
   // The mean's own minimum.
   candidates.insert(candidates.end(), inner.begin(), inner.end());

@@ -2,10 +2,12 @@
 ///
 /// The region comes from the posterior of F: whole surfaces are drawn at candidate points and each one's lowest point
 /// taken; 95 % of these in each variable is the region. Candidates are drawn twice, over the box and then where the first
-/// argmins fell, and some of them lie on the faces, where a minimum often is. Parameters of the fit are kept, so a fit of
-/// few points is surer than it should be; tests/sweep/fit/optimum_test.cc has the coverage.
+/// argmins fell, and some of them lie on the faces, where a minimum often is. The fit's parameters (lengths, noise) are
+/// drawn too: with the most likely ones alone a fit of few rows is surer than it should be. Coverage in
+/// tests/sweep/fit/optimum_test.cc.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "sweep/fit/surface.h"
@@ -23,6 +25,7 @@ struct Optimum {
 struct OptimumOptions {
   int num_candidates = 400;  ///< in each of the two rounds
   int num_draws = 400;
+  int num_surfaces = 10;  ///< sets of parameters among which the draws are divided; 1: the most likely only
 };
 
 /// Global: the lowest of the candidates is polished. Deterministic in (surface, seed).
