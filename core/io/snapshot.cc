@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <sstream>
 
 #include "core/config/schema.h"
@@ -17,6 +18,7 @@ constexpr const char* progress_kind = "design_progress";
 constexpr int warm_layout = 3;
 constexpr int recording_layout = 3;
 constexpr int progress_layout = 1;
+constexpr const char* attempt_line = "attempt ";
 
 /// Study without its stages: what a state or a recording may depend on.
 std::string study_text(Study study) {
@@ -311,7 +313,16 @@ std::string pack_progress(const Study& study, const std::string& design_id, cons
                                              static_cast<std::int64_t>(sum.num_rows),
                                              static_cast<std::int64_t>(sum.residual.num_rows)};
   file.dataset("quality/numbers", numbers, 1, "1", "steps; sums of contacts, rows and the residual's rows");
-  return file.seal(progress_kind, progress_layout);
+  std::string bytes = file.seal(progress_kind, progress_layout);
+  // Into the rest of the user block, which is not part of the image: it can be read without the image.
+  const std::string line = fmt::format("{}{}\n", attempt_line, attempt);
+  bytes.replace(bytes.find('\n') + 1, line.size(), line);
+  return bytes;
+}
+
+int attempt_in_head(const std::string& second_line) {
+  const std::string begin = attempt_line;
+  return second_line.rfind(begin, 0) == 0 ? std::atoi(second_line.c_str() + begin.size()) : 0;
 }
 
 StoredProgress unpack_progress(const std::string& bytes, const Study& study, const std::string& design_id,

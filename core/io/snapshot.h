@@ -38,9 +38,13 @@ std::string pack_recording(const Study& study, const std::string& design_id, con
 Recording unpack_recording(const std::string& bytes, const Study& study, const std::string& design_id,
                            const Design& design, const std::string& source);
 
-/// A design's run between two steps; `attempt` counts how often the design had been begun when it was written.
+/// A design's run between two steps; `attempt` counts how often the design had been begun when it was written. It also
+/// stands in the second line of the file.
 std::string pack_progress(const Study& study, const std::string& design_id, const Design& design,
                           const DesignProgress& progress, int attempt);
+
+/// The attempt in that line, 0 when it is not one.
+int attempt_in_head(const std::string& second_line);
 
 struct StoredProgress {
   DesignProgress progress;

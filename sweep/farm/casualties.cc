@@ -53,11 +53,13 @@ std::string Casualties::bury(const PlannedDesign& design, int rank) {
   return fmt::format("design {} was lost with rank {}{}", design.id, rank, crash ? " (" + crash->signal + ")" : "");
 }
 
-int Casualties::suspicion(const PlannedDesign& design) const {
-  const std::vector<int>& lost = provenance_.history(design.id).lost;
-  if (lost.empty()) return 0;
-  const int progress = last_attempt_with_progress(paths_, study_, design);
-  return static_cast<int>(std::count_if(lost.begin(), lost.end(), [&](int attempt) { return attempt > progress; }));
+int Casualties::suspicion(const std::string& design_id) const {
+  const std::vector<int>& lost = provenance_.history(design_id).lost;
+  // A single loss says nothing, and the loss of a whole job must not cost a look at every checkpoint.
+  if (lost.size() < 2) return 0;
+  const int progress = last_attempt_with_progress(paths_, design_id);
+  const auto without = std::count_if(lost.begin(), lost.end(), [&](int attempt) { return attempt > progress; });
+  return without < 2 ? 0 : static_cast<int>(without);
 }
 
 std::optional<std::string> Casualties::judge(const PlannedDesign& design) {
@@ -67,7 +69,7 @@ std::optional<std::string> Casualties::judge(const PlannedDesign& design) {
     const std::optional<Crash> crash = read_crash_note(paths_.crash(design.id));
     reason = fmt::format("{}crashed its process {} times ({})", quarantined, history.crashes,
                          crash ? crash->signal : "signal unknown");
-  } else if (suspicion(design) >= losses_until_quarantine) {
+  } else if (suspicion(design.id) >= losses_until_quarantine) {
     reason = fmt::format("{}its process was killed {} times in a row before it got any further", quarantined,
                          losses_until_quarantine);
   }
@@ -108,17 +110,24 @@ std::vector<std::string> Casualties::retry(bool failed, bool lost) {
   for (const fs::directory_entry& entry : fs::directory_iterator(paths_.designs()))
     if (entry.path().extension() == ".failed") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
+  std::vector<fs::path> chosen;
+  std::vector<ProvenanceLine> lines;
   std::vector<std::string> say;
   for (const fs::path& file : files) {
     const std::string id = file.stem().string(), text = read_whole_file(file.string());
     const std::string reason = text.substr(std::min(text.size(), text.find('\n') + 1));
     if (!(reason.rfind(quarantined, 0) == 0 ? lost : failed)) continue;
+    chosen.push_back(file);
+    lines.push_back({"retry", id, std::max(1, provenance_.attempts(id)), 0, "", 0, 0, "", ""});
+    say.push_back(fmt::format("design {} is tried again; it was {}", id, reason.substr(0, reason.find('\n'))));
+  }
+  // The ledger first: a crash in between leaves the failures, which are asked for again.
+  if (!lines.empty()) provenance_.add(std::move(lines));
+  for (const fs::path& file : chosen) {
     std::error_code error;
-    fs::remove(paths_.crash(id), error);
-    provenance_.add({"retry", id, std::max(1, provenance_.attempts(id)), 0, "", 0, 0, "", ""});
+    fs::remove(paths_.crash(file.stem().string()), error);
     if (!fs::remove(file, error))
       throw WriteError(fmt::format("{}: cannot be removed: {}", file.string(), error.message()));
-    say.push_back(fmt::format("design {} is tried again; it was {}", id, reason.substr(0, reason.find('\n'))));
   }
   return say;
 }

@@ -36,8 +36,8 @@ class Casualties {
   /// Why this design is in quarantine from now on (it then has a failure file, and its input lies in quarantine/), or
   /// nothing.
   std::optional<std::string> judge(const PlannedDesign& design);
-  /// Attempts in a row that were lost without getting further; suspects are simulated last.
-  int suspicion(const PlannedDesign& design) const;
+  /// Attempts in a row that were lost without getting further, 0 for less than two; suspects are simulated last.
+  int suspicion(const std::string& design_id) const;
 
   /// Takes back failures, or quarantines, of this folder. @return what to say
   std::vector<std::string> retry(bool failed, bool lost);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "core/io/durable_file.h"
 #include "sweep/stop.h"
@@ -78,15 +79,10 @@ void Checkpoint::remove() {
   if (on_disk_) fs::remove(path_, ignored);
 }
 
-int last_attempt_with_progress(const OutputPaths& paths, const Study& study, const PlannedDesign& design) {
-  const std::string path = paths.checkpoint(design.id);
-  std::error_code error;
-  if (!fs::exists(path, error)) return 0;
-  try {
-    return unpack_progress(read_whole_file(path), study, design.id, design.values, path).attempt;
-  } catch (const std::exception&) {
-    return 0;
-  }
+int last_attempt_with_progress(const OutputPaths& paths, const std::string& design_id) {
+  std::ifstream stream(paths.checkpoint(design_id), std::ios::binary);
+  std::string first, second;
+  return std::getline(stream, first) && std::getline(stream, second) ? attempt_in_head(second) : 0;
 }
 
 void remove_stale_checkpoints(const OutputPaths& paths) {

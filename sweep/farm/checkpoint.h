@@ -47,9 +47,9 @@ class Checkpoint {
   bool on_disk_ = false;
 };
 
-/// Attempt that has written the design's checkpoint, 0 when there is none that can be read: the last one that got
-/// further.
-int last_attempt_with_progress(const OutputPaths& paths, const Study& study, const PlannedDesign& design);
+/// Attempt that has written the design's checkpoint, 0 when there is none: the last one that got further. Looks at the
+/// beginning of the file only.
+int last_attempt_with_progress(const OutputPaths& paths, const std::string& design_id);
 
 /// Removes the checkpoints of designs that have their recording: of a run that was killed between the two.
 void remove_stale_checkpoints(const OutputPaths& paths);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <type_traits>
 #include <utility>
 
@@ -85,8 +86,7 @@ class Master {
     const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
     if (options_.survive && farm_.size() > 1 && (recovery == nullptr || std::string(recovery) != "1"))
       reporter_.warn(
-          "--survive: mpirun was started without --enable-recovery --mca orte_abort_on_non_zero_status 0, so it will "
-          "end "
+          "--survive: mpirun was started without --enable-recovery --mca orte_abort_on_non_zero_status 0: it will end "
           "the job when a rank dies");
     try {
       settle_the_past();
@@ -217,8 +217,8 @@ class Master {
       } else if (!load_row(i) && !in_quarantine(i)) {
         pending_.push_back(i);
       } else if (rows_[i]->state == "failed" && recordings_.has_failure(design.id)) {
-        reporter_.info(fmt::format("design {} has failed before ({}); to have it tried again delete {}", design.id,
-                                   rows_[i]->reason, store_.paths().failure(design.id)));
+        reporter_.info(fmt::format("design {} has failed before ({}); --retry {} has it tried again", design.id,
+                                   rows_[i]->reason, rows_[i]->reason.rfind(quarantined, 0) == 0 ? "lost" : "failed"));
       }
       poll_ranks();
     }
@@ -267,9 +267,10 @@ class Master {
 
   /// So that all others are done before one of them can end the job again.
   void put_suspects_last() {
-    std::stable_sort(pending_.begin(), pending_.end(), [&](std::size_t a, std::size_t b) {
-      return casualties_->suspicion(plan().designs[a]) < casualties_->suspicion(plan().designs[b]);
-    });
+    std::map<std::size_t, int> suspicion;
+    for (const std::size_t index : pending_) suspicion[index] = casualties_->suspicion(plan().designs[index].id);
+    std::stable_sort(pending_.begin(), pending_.end(),
+                     [&](std::size_t a, std::size_t b) { return suspicion[a] < suspicion[b]; });
   }
 
   /// With --survive: ranks that are no more there.
@@ -448,7 +449,8 @@ class Master {
   /// A rank has ended its design.
   void accept(int rank, const DesignOutcome& outcome) {
     const PlannedDesign& design = plan().designs.at(outcome.index);
-    busy_[static_cast<std::size_t>(rank)].reset();
+    // One that has given up before, and answers an order that was on its way, was noted then.
+    if (!std::exchange(busy_[static_cast<std::size_t>(rank)], std::nullopt)) return;
     --num_busy_;
     const bool stopped = outcome.kind == DesignOutcome::Kind::stopped;
     const char* event = stopped ? "stopped" : outcome.kind == DesignOutcome::Kind::failed ? "failed" : "done";

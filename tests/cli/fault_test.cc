@@ -275,7 +275,7 @@ TEST(Fault, random_kills_change_nothing_and_no_completed_design_is_run_twice) {
   std::printf("seed %u, %d kills\n", seed, num_kills);
   std::mt19937 random(seed);
   const TestFolder folder;
-  const int turns = 8, nodes = num_kills > 50 ? 8 : 4;
+  const int turns = 8, nodes = num_kills > 50 ? 20 : 4;
   write_text(folder / "study.toml", tiny_study(turns, nodes));
   ASSERT_EQ(run_alone(folder, "reference").code, 0);
 
@@ -319,6 +319,7 @@ TEST(Fault, random_kills_change_nothing_and_no_completed_design_is_run_twice) {
     }
     EXPECT_LE(count_events(folder / "out", "started"), done.size() + lost_at_most);
   }
+  std::printf("%d runs ended before their kill\n", ended);
   EXPECT_GE(kills, num_kills) << ended << " runs ended before their kill";
   Program last(folder, under_mpirun(2, run_words("out")));
   EXPECT_EQ(last.wait(), 0) << last.err();

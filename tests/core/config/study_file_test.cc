@@ -51,7 +51,7 @@ TEST(StudyFile, an_unknown_key_is_an_error_with_the_nearest_known_one) {
   EXPECT_TRUE(has(complaint(angle + "[drum]\ndiametre_m = 1.0\n"), "did you mean drum.diameter_m?"));
   EXPECT_TRUE(has(complaint(angle + "[drum]\ndiameter_mm = 750\n"), "did you mean drum.diameter_m?"));
   EXPECT_TRUE(has(complaint(angle + "[drun]\n"), "did you mean drum?"));
-  EXPECT_TRUE(has(complaint(angle + "[[stage]]\nname='a'\nvariabels=[]\n"), "did you mean variables?"));
+  EXPECT_TRUE(has(complaint(angle + "[[stage]]\nname='a'\nvariabels=[]\n"), "did you mean stage.variables?"));
 }
 
 TEST(StudyFile, wrong_toml_names_line_and_column) { EXPECT_TRUE(has(complaint(angle + "[drum\n"), "a.toml:3:")); }

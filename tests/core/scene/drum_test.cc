@@ -111,6 +111,9 @@ TEST(DesignRun, interrupted_anywhere_and_continued_from_its_file_gives_the_same_
         unpack_progress(pack_progress(study, "x", wider, progress, ++parts), study, "x", wider, "memory").progress;
   } while (resumed.stopped);
   EXPECT_GT(parts, 5);
+  const std::string file = pack_progress(study, "x", wider, progress, 12);
+  const std::size_t line = file.find('\n') + 1;
+  EXPECT_EQ(attempt_in_head(file.substr(line, file.find('\n', line) - line)), 12);
   EXPECT_EQ(resumed.hash, straight.hash);
   EXPECT_EQ(pack_recording(study, "x", wider, resumed), pack_recording(study, "x", wider, straight));
 }
