@@ -21,6 +21,7 @@ void add_init(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
+void add_plan(CLI::App& app, int& exit_code);
 void add_why(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_contour(CLI::App& app, int& exit_code);

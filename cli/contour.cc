@@ -26,7 +26,7 @@ void contour(Options options) {
   std::error_code error;
   if (!std::filesystem::exists(paths.results(), error))
     throw InputError(paths.results() + ": is not there yet; `drumsweep run` writes it");
-  const ResultTable table = read_results_csv(paths.results());
+  const ResultTable table = with_means_of_replicates(read_results_csv(paths.results()));
   const std::string& stage = options.contour.stage;
   const auto in_stage = [&](const ResultRow& row) { return row.stage == stage; };
   if (!stage.empty() && std::none_of(table.rows.begin(), table.rows.end(), in_stage))

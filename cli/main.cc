@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   add_check(app, exit_code);
   add_run(app, exit_code);
   add_status(app, exit_code);
+  add_plan(app, exit_code);
   add_why(app, exit_code);
   add_simulate(app, exit_code);
   add_contour(app, exit_code);

@@ -65,6 +65,16 @@ std::string json_of(const SweepStatus& s, bool timeline) {
       .count("lost", count(s.state.lost))
       .count("stopped", count(s.state.stopped));
   all.raw("state", state.str()).flag("finished", s.finished).number("cpu_s", s.cpu_s).raw("best", best_as_json(s));
+  std::vector<std::string> stages;
+  for (const StageStatus& stage : s.stages)
+    stages.push_back(JsonObject()
+                         .text("name", stage.name)
+                         .text("type", stage.type)
+                         .count("designs", count(stage.designs))
+                         .count("ended", count(stage.ended))
+                         .flag("complete", stage.complete)
+                         .str());
+  all.raw("stages", json_list(stages));
   all.count("designs", count(s.total)).flag("active", s.active).text("phase", s.phase);
   if (timeline) all.raw("timeline", timeline_as_json(s.timeline));
   return all.str() + "\n";
@@ -104,6 +114,10 @@ std::string text_of(const std::string& folder, const SweepStatus& s, bool timeli
                       s.state.done, s.state.untrusted, s.state.failed);
   text += fmt::format("open       {} never begun, {} running, {} stopped, {} lost with their process\n",
                       s.state.pending, s.state.running, s.state.stopped, s.state.lost);
+  if (s.stages.size() > 1)
+    for (const StageStatus& stage : s.stages)
+      text += fmt::format("stage      \"{}\" ({}): {} of {}{}\n", stage.name, stage.type, stage.ended, stage.designs,
+                          stage.complete ? "" : ", it will ask for more when earlier results are there");
   text += fmt::format("cpu time   {}\n", clock_text(s.cpu_s));
   if (s.best) {
     text += fmt::format("best       {}", s.best->design_id);

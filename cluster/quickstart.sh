@@ -6,7 +6,7 @@ out=${1:-quick_result}
 
 install_packages cluster/packages.txt
 echo "building"
-build release -DDRUMSWEEP_BUILD_TESTS=OFF
+build release drumsweep -DDRUMSWEEP_BUILD_TESTS=OFF
 program=build/release/drumsweep
 
 "$program" check schedules/quick.toml

@@ -24,12 +24,12 @@ install_packages() {
   "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build PRESET [cmake options]: configures and builds into build/PRESET
+# build PRESET TARGET [cmake options]: configures and builds into build/PRESET
 build() {
-  local preset=$1
-  shift
+  local preset=$1 target=$2
+  shift 2
   cmake --preset "$preset" "$@" >/dev/null
-  cmake --build --preset "$preset" -- --quiet
+  cmake --build --preset "$preset" --target "$target" -- --quiet
 }
 
 # Open MPI refuses root unless told twice; a container or a test machine often is root.

@@ -6,5 +6,7 @@ preset=${1:-release}
 shift || true
 
 install_packages cluster/packages.txt cluster/packages_test.txt
-build "$preset" -DDRUMSWEEP_BUILD_TESTS=ON
+# Unit tests do not need the program.
+case " $* " in *" -L unit "*) target=unit_tests ;; *) target=all ;; esac
+build "$preset" "$target" -DDRUMSWEEP_BUILD_TESTS=ON
 ctest --preset "$preset" -j "$(nproc)" "$@"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 
@@ -113,6 +114,47 @@ std::vector<std::string> variables_of_header(const Record& header, const std::st
 }
 
 }  // namespace
+
+ResultTable with_means_of_replicates(const ResultTable& table) {
+  ResultTable out;
+  std::vector<std::size_t> kept;
+  for (std::size_t v = 0; v < table.variable_names.size(); ++v)
+    if (table.variable_names[v] != "replicate" && table.variable_names[v] != "turns") kept.push_back(v);
+  if (kept.size() == table.variable_names.size()) return table;
+  for (const std::size_t v : kept) out.variable_names.push_back(table.variable_names[v]);
+
+  struct Mean {
+    std::size_t row;  ///< in `out`
+    double count = 0, variance = 0, variance_footprint = 0;
+  };
+  std::map<std::pair<std::string, std::string>, Mean> means;
+  for (const ResultRow& row : table.rows) {
+    ResultRow reduced = row;
+    reduced.variables.clear();
+    std::string place;
+    for (const std::size_t v : kept) {
+      reduced.variables.push_back(row.variables.at(v));
+      place += csv_number(row.variables[v]) + ",";
+    }
+    const auto [known, is_new] = means.try_emplace({row.stage, place}, Mean{out.rows.size()});
+    Mean& mean = known->second;
+    if (is_new) out.rows.push_back(reduced);
+    ResultRow& target = out.rows[mean.row];
+    if (!std::isfinite(row.f_m)) continue;
+    if (mean.count == 0) target = reduced;
+    const double n = ++mean.count;
+    mean.variance += row.sigma_f_m * row.sigma_f_m;
+    mean.variance_footprint += row.sigma_f_footprint_m * row.sigma_f_footprint_m;
+    if (n == 1) continue;
+    for (double ResultRow::*value :
+         {&ResultRow::f_m, &ResultRow::f_footprint_m, &ResultRow::max_an_over_a0, &ResultRow::mean_height_m})
+      target.*value += (row.*value - target.*value) / n;
+    target.sigma_f_m = std::sqrt(mean.variance) / n;
+    target.sigma_f_footprint_m = std::sqrt(mean.variance_footprint) / n;
+    if (row.state != "done") target.state = row.state;
+  }
+  return out;
+}
 
 std::string csv_text(const std::string& text) {
   const bool blank_end = !text.empty() && (text.front() == ' ' || text.back() == ' ');

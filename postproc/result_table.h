@@ -33,6 +33,11 @@ struct ResultTable {
   std::vector<ResultRow> rows;
 };
 
+/// Replicates of a design made one row: the columns `replicate` and `turns` go, rows of a stage that agree in all other
+/// variables become their mean, with the standard error of that mean from their own errors. A mean of one row is that
+/// row. Rows without a value are left out where the design has others.
+ResultTable with_means_of_replicates(const ResultTable& table);
+
 /// The table in the order of its rows. Numbers in the shortest form that reads back to the same bits, an empty cell for
 /// NaN; text is quoted where RFC 4180 asks for it.
 /// @throws std::invalid_argument when a row has not one value a variable.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/config/schema.h"
+#include "core/config/stages.h"
 #include "core/io/durable_file.h"
 #include "core/scene/cpu_clock.h"
 #include "postproc/objective.h"
@@ -79,7 +80,9 @@ std::vector<std::string> keys_of_values(const Study& study) {
 }
 
 PlannedDesign design_at(const Study& study, const std::vector<double>& values) {
-  const std::vector<std::string> keys = keys_of_values(study);
+  std::vector<std::string> keys = keys_of_values(study);
+  // Replicate and turns may be left out: they are the study's then.
+  if (values.size() < keys.size()) std::erase_if(keys, is_measuring_key);
   if (values.size() != keys.size())
     throw InputError(
         fmt::format("--at: {} values given, {} needed: {}", values.size(), keys.size(), fmt::join(keys, ", ")));

@@ -48,20 +48,24 @@ bool is_loss(const std::string& event) { return event == "lost" || event == "cra
 
 }  // namespace
 
+Plan plan_of_folder(const OutputPaths& paths, const Study& study) {
+  Plan plan = plan_designs(study);
+  std::error_code error;
+  if (!std::filesystem::exists(paths.findings(), error)) return plan;
+  Plan with_searches = plan;
+  try {
+    restore_searches(with_searches, study, read_whole_file(paths.findings()), paths.findings());
+  } catch (const InputError&) {
+    // Of the study before stages were appended: the run that takes them up writes it anew.
+    return plan;
+  }
+  return with_searches;
+}
+
 SweepStatus read_status(const std::string& folder) {
   const OutputPaths paths{folder};
   const Study study = read_frozen_study(folder);
-  Plan plan = plan_designs(study);
-  std::error_code error;
-  if (std::filesystem::exists(paths.findings(), error)) {
-    Plan with_searches = plan;
-    try {
-      restore_searches(with_searches, study, read_whole_file(paths.findings()), paths.findings());
-      plan = std::move(with_searches);
-    } catch (const InputError&) {
-      // Of the study before stages were appended: the run that takes them up writes it anew.
-    }
-  }
+  const Plan plan = plan_of_folder(paths, study);
   const bool complete =
       std::all_of(plan.stages.begin(), plan.stages.end(), [](const StageSummary& s) { return s.complete; });
   SweepStatus status;
@@ -88,8 +92,10 @@ SweepStatus read_status(const std::string& folder) {
   RecordingIndex recordings(paths);
   std::optional<bool> steady;
   std::vector<ResultRow> rows;
+  for (const StageSummary& stage : plan.stages) status.stages.push_back({stage.name, stage.type, 0, 0, stage.complete});
   for (const PlannedDesign& design : plan.designs) {
     std::optional<ResultRow> row;
+    ++status.stages[design.stage_number].designs;
     if (!design.impossible.empty()) {
       row = failed_row(design, design.impossible);
     } else if (recordings.has_recording(design.id) || recordings.has_failure(design.id)) {
@@ -105,6 +111,7 @@ SweepStatus read_status(const std::string& folder) {
       }
     }
     if (row) {
+      ++status.stages[design.stage_number].ended;
       (row->state == "done"        ? status.state.done
        : row->state == "untrusted" ? status.state.untrusted
                                    : status.state.failed)++;

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "postproc/result_table.h"
+#include "sweep/plan/designs.h"
+#include "sweep/store/store.h"
 #include "sweep/timeline.h"
 
 namespace drumsweep {
@@ -22,8 +24,16 @@ struct StateCounts {
   std::size_t stopped = 0;  ///< begun, and stopped in good order; will be begun again
 };
 
+/// A stage, with the designs that no earlier stage has.
+struct StageStatus {
+  std::string name, type;
+  std::size_t designs = 0, ended = 0;
+  bool complete = false;  ///< no results will make it ask for more
+};
+
 struct SweepStatus {
   StateCounts state;
+  std::vector<StageStatus> stages;
   std::size_t total = 0;
   bool active = false;    ///< a run holds the folder now
   std::string phase;      ///< what rank 0 of that run is at
@@ -33,6 +43,9 @@ struct SweepStatus {
   std::optional<ResultRow> best;
   std::vector<RunTimeline> timeline;  ///< of all runs so far
 };
+
+/// The plan of a folder as far as its runs have got: what searches have asked for is in findings.toml.
+Plan plan_of_folder(const OutputPaths& paths, const Study& study);
 
 /// @throws InputError when the folder is not a sweep's, MismatchError when it is of another version
 SweepStatus read_status(const std::string& folder);

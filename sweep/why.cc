@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/config/schema.h"
+#include "sweep/status.h"
 #include "sweep/store/output_lock.h"
 #include "sweep/store/recordings.h"
 #include "sweep/store/results_image.h"
@@ -126,7 +127,7 @@ void look_up_result(const OutputPaths& paths, const Study& study, RecordingIndex
 DesignStory story_of(const std::string& folder, const std::string& which, const std::vector<double>& at) {
   const OutputPaths paths{folder};
   const Study study = read_frozen_study(folder);
-  const Plan plan = plan_designs(study);
+  const Plan plan = plan_of_folder(paths, study);
   DesignStory story;
   story.design = at.empty() ? design_with_id(plan, which, folder) : design_with_values(plan, at);
   story.columns = plan.columns;

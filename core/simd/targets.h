@@ -4,7 +4,12 @@
 #pragma once
 
 // SSSE3 and the AVX-512 of Ice Lake bring nothing here; what stays is scalar (the judge), SSE4, AVX2 and AVX-512.
+#ifndef DRUMSWEEP_SANITIZE
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#else
+// The kernels are templates; two widths are enough for the sanitizers, and building all of them takes minutes.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL)
+#endif
 
 #include <cstddef>
 #include <string>

@@ -45,6 +45,19 @@ Box search_box(const Study& study, std::size_t stage) {
   return box;
 }
 
+std::size_t most_further_designs(const Study& study, const Plan& plan, std::size_t s) {
+  const StageConfig& stage = study.stages.at(s);
+  const StageSummary& summary = plan.stages.at(s);
+  if (summary.complete) return 0;
+  std::int64_t most = 1;
+  if (stage.type == "zoom")
+    for (std::size_t i = 0; i < search_box(study, s).size(); ++i) most *= stage.nodes;
+  if (stage.type == "adaptive") most = stage.budget;
+  if (stage.type == "refine") most = study.refine.starts * study.refine.max_evaluations;
+  if (stage.type == "replicate") most = stage.designs * stage.replicates;
+  return static_cast<std::size_t>(most) - std::min(static_cast<std::size_t>(most), summary.designs.size());
+}
+
 std::optional<Point> point_of(const Box& box, const Study& study, const Plan& plan, const PlannedDesign& design) {
   Point point(box.size());
   for (std::size_t k = 0; k < plan.keys.size(); ++k) {

@@ -51,6 +51,9 @@ class Planner {
   std::vector<std::unique_ptr<Search>> searches_;  ///< (num_stages) what a search has found out once and for all
 };
 
+/// How many designs a stage that is not complete may still ask for, at most.
+std::size_t most_further_designs(const Study& study, const Plan& plan, std::size_t stage);
+
 /// Ranges of a search as a box.
 Box search_box(const Study& study, std::size_t stage);
 

@@ -143,5 +143,35 @@ TEST_F(ResultFile, row_without_a_value_for_each_variable_is_our_bug) {
   EXPECT_THROW(to_csv(table), std::invalid_argument);
 }
 
+TEST(ResultTable, replicates_become_one_row_with_their_mean_and_its_error) {
+  ResultTable table{{"base_width_m", "replicate"}, {}};
+  const auto add = [&](double width, double replicate, double f, const std::string& state) {
+    ResultRow row;
+    row.design_id = "id";
+    row.stage = "s";
+    row.state = state;
+    row.variables = {width, replicate};
+    row.f_m = f;
+    row.sigma_f_m = 0.003;
+    table.rows.push_back(row);
+  };
+  add(0.04, 0, ResultRow::none, "failed");
+  add(0.04, 1, 0.010, "done");
+  add(0.04, 2, 0.016, "done");
+  add(0.05, 0, 0.020, "done");
+  add(0.06, 0, ResultRow::none, "failed");
+  const ResultTable means = with_means_of_replicates(table);
+  EXPECT_EQ(means.variable_names, (std::vector<std::string>{"base_width_m"}));
+  ASSERT_EQ(means.rows.size(), 3u);
+  EXPECT_DOUBLE_EQ(means.rows[0].f_m, 0.013);
+  EXPECT_DOUBLE_EQ(means.rows[0].sigma_f_m, 0.003 / std::sqrt(2));
+  EXPECT_EQ(means.rows[0].state, "done");
+  EXPECT_EQ(means.rows[1].f_m, 0.020);
+  EXPECT_EQ(means.rows[2].state, "failed");
+  // Without replicates nothing changes, bit for bit.
+  ResultTable plain{{"base_width_m"}, means.rows};
+  EXPECT_EQ(to_csv(with_means_of_replicates(plain)), to_csv(plain));
+}
+
 }  // namespace
 }  // namespace drumsweep
