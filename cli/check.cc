@@ -16,7 +16,7 @@
 #include "core/effects/catalogue.h"
 #include "core/scene/scene.h"
 #include "core/step/world.h"
-#include "sweep/plan/designs.h"
+#include "sweep/plan/planner.h"
 #include "sweep/progress.h"
 
 namespace drumsweep {
@@ -82,8 +82,11 @@ void check(const std::string& path) {
   const Study s = read_study(path);
   const Plan plan = plan_designs(s);
   const CostEstimate e = estimate_cost(s);
-  const auto simulated = static_cast<double>(
+  auto simulated = static_cast<double>(
       std::count_if(plan.designs.begin(), plan.designs.end(), [](const auto& d) { return d.impossible.empty(); }));
+  for (std::size_t i = 0; i < plan.stages.size(); ++i)
+    simulated += static_cast<double>(most_further_designs(s, plan, i));
+  const bool searches = std::any_of(plan.stages.begin(), plan.stages.end(), [](const auto& i) { return !i.complete; });
 
   const std::string iterations = s.step.method == "smooth"  ? ""
                                  : s.solver.iterations == 0 ? ", iterations to a residual of " +
@@ -105,22 +108,31 @@ void check(const std::string& path) {
     fmt::print("holdup      {:.3g} balls, residence time {:.3g} s = {:.3g} turns (Sullivan's kiln formula)\n", e.balls,
                e.residence_s, e.residence_s / e.turn_s);
     fmt::print("filling     {:.3g} % of the drum's volume\n", 100 * e.filling);
-    fmt::print("memory      {:.3g} MB a rank (1 kB a ball)\n", 1e-6 * e.memory_bytes);
+    fmt::print("memory      {:.3g} MB a rank (1.2 kB a ball)\n", 1e-6 * e.memory_bytes);
     fmt::print("warm-up     {} of one core\n", clock_text(e.warmup_core_s));
     fmt::print("a design    {} of one core ({} + {} turns)\n", clock_text(e.design_core_s), s.record.adapt_turns,
                s.record.turns);
-    fmt::print("all         {:.3g} core-hours\n", (e.warmup_core_s + simulated * e.design_core_s) / 3600);
+    fmt::print("all         {}{:.3g} core-hours\n", searches ? "at most " : "",
+               (e.warmup_core_s + simulated * e.design_core_s) / 3600);
   }
 
   fmt::print("\n");
-  for (const StageSummary& stage : plan.stages)
+  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+    const StageSummary& stage = plan.stages[i];
+    if (!stage.complete) {
+      fmt::print("stage       \"{}\" ({}): up to {} designs, decided from results\n", stage.name, stage.type,
+                 most_further_designs(s, plan, i));
+      continue;
+    }
     fmt::print("stage       \"{}\": {} designs{}{}\n", stage.name, stage.nodes,
                stage.shared > 0 ? fmt::format(", {} of them shared with an earlier stage", stage.shared) : "",
                stage.impossible > 0 ? fmt::format(", {} impossible", stage.impossible) : "");
+  }
   if (plan.stages.empty())
     fmt::print("no stage    nothing to sweep; `drumsweep simulate` runs a single design\n");
   else
-    fmt::print("designs     {} to simulate, variables: {}\n", simulated, fmt::join(plan.keys, ", "));
+    fmt::print("designs     {}{} to simulate, variables: {}\n", searches ? "at most " : "", simulated,
+               fmt::join(plan.keys, ", "));
   for (const std::string& text : warnings(s, plan, e)) fmt::print("warning: {}\n", text);
 }
 

@@ -32,14 +32,14 @@ CostEstimate estimate_cost(const Study& s) {
   e.filling = e.balls * e.ball_kg / s.material.density_kg_m3 / s.objective.packing /
               (std::numbers::pi / 4 * s.drum.diameter_m * s.drum.diameter_m * s.drum.length_m);
 
-  // Measured on the lab drum: 0.25 s of a core per 1000 balls and simulated second at 2500 solver passes a second.
+  // Measured on the lab drum: 0.09 s of a core per 1000 balls and simulated second at 2500 solver passes a second.
   // "auto" is taken for 25 passes, a smooth step for 6.
   const double passes = s.step.method == "smooth" ? 6
                         : s.solver.iterations > 0 ? static_cast<double>(s.solver.iterations)
                                                   : 25;
   const double passes_per_s = passes / e.step_s;
-  e.core_s_per_s = 0.25 * e.balls / 1000 * passes_per_s / 2500;
-  e.memory_bytes = 1000 * e.balls;
+  e.core_s_per_s = 0.09 * e.balls / 1000 * passes_per_s / 2500;
+  e.memory_bytes = 1200 * e.balls;
   const double warmup_s = std::min(s.warmup.max_turns * e.turn_s, 3 * e.residence_s);
   e.warmup_core_s = 0.7 * warmup_s * e.core_s_per_s;  // it begins empty
   e.design_core_s = (s.record.adapt_turns + s.record.turns) * e.turn_s * e.core_s_per_s;

@@ -81,6 +81,23 @@ Stored look_into(const std::string& folder, const Study& study, Planner& planner
   return stored;
 }
 
+/// How many designs one after the other, at most: a batch waits for the one before it, a start of an optimiser for its
+/// last value.
+double rounds(const Study& study, std::size_t s, std::size_t num_designs, int ranks) {
+  const StageConfig& stage = study.stages[s];
+  const auto in_rounds = [&](double n) { return std::ceil(n / ranks); };
+  const auto n = static_cast<double>(num_designs);
+  if (stage.type == "adaptive") {
+    const double initial = std::min(n, static_cast<double>(stage.initial)), batch = static_cast<double>(stage.batch);
+    return in_rounds(initial) + std::ceil((n - initial) / batch) * in_rounds(batch);
+  }
+  if (stage.type == "refine") {
+    const auto starts = static_cast<double>(study.refine.starts);
+    return std::ceil(n / starts) * in_rounds(starts);
+  }
+  return in_rounds(n);
+}
+
 void plan(const Options& options) {
   const Study study = read_study(options.study);
   if (study.stages.empty()) throw InputError(options.study + ": has no [[stage]], so there is nothing to plan");
@@ -114,7 +131,7 @@ void plan(const Options& options) {
     all.reused += lines[s].reused;
     all.impossible += lines[s].impossible;
     all.further += lines[s].further;
-    wall_s += per_design * std::ceil(static_cast<double>(lines[s].run + lines[s].further) / options.ranks);
+    wall_s += per_design * rounds(study, s, lines[s].run + lines[s].further, options.ranks);
   }
   const double core_s = (stored.warm ? 0 : e.warmup_core_s) + per_design * static_cast<double>(all.run + all.further);
 
