@@ -140,6 +140,7 @@ Replay replay(const Box& box, const ReplayOptions& options, const Point& start,
                        (result == NLOPT_MAXEVAL_REACHED || (result < 0 && result != NLOPT_ROUNDOFF_LIMITED));
   if (gave_up) run.out.end = ReplayEnd::stuck;
   run.out.why = reason(run);
+  if (too_few) run.out.why += "; sbplx, as bobyqa needs two variables";
   if (gave_up) run.out.why += fmt::format(" ({})", nlopt_result_to_string(result));
   return std::move(run.out);
 }

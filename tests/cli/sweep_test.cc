@@ -264,6 +264,29 @@ TEST(Sweep, searches_give_the_same_table_and_findings_for_any_ranks_and_interrup
   EXPECT_EQ(finished["designs"].number, static_cast<double>(designs));
 }
 
+TEST(Plan, says_what_would_run_what_is_there_and_what_searches_may_ask_for) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study(2, 3));
+  const Json before =
+      JsonReader::parse(drumsweep(folder, {"plan", "study.toml", "-o", "out", "-n", "4", "--json"}).out);
+  EXPECT_EQ(before["to_run"].number, 9);
+  EXPECT_EQ(before["reused"].number, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out")) << "plan made something";
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
+
+  // Searches appended: the first has all it needs to decide, the second waits for it.
+  const auto results = results_of(folder / "out");
+  write_text(folder / "study.toml", searching_study());
+  const Json after = JsonReader::parse(drumsweep(folder, {"plan", "study.toml", "-o", "out", "-n", "4", "--json"}).out);
+  EXPECT_EQ(after["reused"].number, 9);
+  EXPECT_GE(after["to_run"].number, 2);
+  EXPECT_LE(after["to_run"].number + after["at_most_more"].number, 4 + 8 + 3);
+  EXPECT_EQ(after["measured"].number, 1);
+  expect_same(results, results_of(folder / "out"));
+  write_text(folder / "study.toml", replaced(tiny_study(2, 3), "rate_kg_s = 0.15", "rate_kg_s = 0.16"));
+  EXPECT_EQ(drumsweep(folder, {"plan", "study.toml", "-o", "out"}).code, 5);
+}
+
 TEST(Sweep, points_come_from_a_csv_file_beside_the_study) {
   const TestFolder folder;
   std::filesystem::create_directory(folder / "study");
