@@ -56,8 +56,8 @@ int run(const SweepOptions& options) {
     fmt::print("lowest f of a single run: {} (stage {})", row.design_id, row.stage);
     for (std::size_t i = 0; i < row.variables.size(); ++i)
       fmt::print(", {} = {}", outcome.table.variable_names[i], row.variables[i]);
-    fmt::print("\n  f = {:.4g} +- {:.2g} m{}\n", row.f_m, row.sigma_f_m,
-               row.state == "done" ? "" : ", UNTRUSTED: " + row.reason);
+    fmt::print("\n  f = {:.4g} +- {:.2g} m, largest |a_n| / a_0 = {:.3g} (S1's stop test asks for 0.1){}\n", row.f_m,
+               row.sigma_f_m, row.max_an_over_a0, row.state == "done" ? "" : ", UNTRUSTED: " + row.reason);
   }
   if (outcome.findings) fmt::print("{}", describe(*outcome.findings));
   fmt::print("table: {}/results.csv\n", outcome.output);

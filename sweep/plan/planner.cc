@@ -231,7 +231,8 @@ struct Planner::Search {
       const std::size_t num_known = pool(box, measurements_in(box, study, plan, stage + 1, row_of)).samples.size();
       const std::vector<Point> spread = initial_points(budget, num_known);
       if (!spread.empty()) {
-        for (const Point& point : spread) add(point);
+        // Each with a replicate number of its own: one replicate's shared error would look like the surface.
+        for (std::size_t i = 0; i < spread.size(); ++i) add(spread[i], study.record.replicate + static_cast<double>(i));
         note(fmt::format("{} designs spread evenly over the ranges, beside {} earlier results", spread.size(),
                          num_known));
         return;
