@@ -77,7 +77,8 @@ std::optional<Findings> find(const Study& study, const Plan& plan, const RowOf& 
   if (out.box.empty()) return std::nullopt;
   const Fit fit = fit_rows(out.box, study, plan, study.stages.size(), row_of);
   out.gate = fit.gate;
-  out.shared_noise_gain = fit.noise.gain;
+  constexpr int least_dof = 10;  // with fewer the ratio of two variances says nothing
+  out.shared_noise_gain = fit.noise.scatter_dof >= least_dof ? fit.noise.gain_neighbours : not_given;
   if (fit.surface) out.optimum = optimum(*fit.surface, study.seed);
   out.confirmation = confirmation_of(out.box, study, plan, row_of);
   return out;
@@ -94,8 +95,11 @@ std::string describe(const Findings& f) {
   }
   out += fmt::format("surface: {}\n", f.gate.reason);
   if (std::isfinite(f.shared_noise_gain))
-    out += fmt::format("shared random numbers: the variance of differences between designs is {:.2g} times smaller\n",
-                       f.shared_noise_gain);
+    out += fmt::format(
+        "shared random numbers: the difference of neighbouring designs has {:.2g} times less variance than with "
+        "separate "
+        "ones\n",
+        f.shared_noise_gain);
   if (const auto& c = f.confirmation) {
     out += fmt::format("confirmed by {} fresh runs at", c->num_runs);
     for (std::size_t i = 0; i < f.box.size(); ++i)

@@ -24,7 +24,7 @@ struct Confirmation {
 struct Findings {
   Box box;
   Gate gate;
-  double shared_noise_gain = 0;    ///< pool(): how much smoother differences are by shared random numbers; NaN unknown
+  double shared_noise_gain = 0;    ///< of neighbours, see SharedNoise; NaN where there are few replicates
   std::optional<Optimum> optimum;  ///< of the fit; none where there are too few designs for one
   std::optional<Confirmation> confirmation;
 };
