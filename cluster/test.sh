@@ -9,4 +9,5 @@ install_packages cluster/packages.txt cluster/packages_test.txt
 # Unit tests do not need the program.
 case " $* " in *" -L unit "*) target=unit_tests ;; *) target=all ;; esac
 build "$preset" "$target" -DDRUMSWEEP_BUILD_TESTS=ON
-ctest --preset "$preset" -j "$(nproc)" "$@"
+# One more than there are cores: some tests wait, for Slurm or for a process to die.
+ctest --preset "$preset" -j "$(($(nproc) + 1))" "$@"

@@ -120,12 +120,10 @@ TEST(Planner, plan_and_findings_do_not_depend_on_the_order_of_results_or_on_inte
   Game first(all_searches);
   first.play({});
   EXPECT_GT(first.planner.plan().designs.size(), 25u + 9u + 8u);
-  for (const unsigned shuffle : {2u, 3u}) {
-    Game other(all_searches);
-    other.play({}, shuffle);
-    EXPECT_EQ(other.ids(), first.ids());
-    EXPECT_EQ(other.findings(), first.findings());
-  }
+  Game other(all_searches);
+  other.play({}, 3);
+  EXPECT_EQ(other.ids(), first.ids());
+  EXPECT_EQ(other.findings(), first.findings());
   // Resumed: all results are there from the beginning, nothing is simulated.
   Game resumed(all_searches);
   resumed.rows = first.rows;
