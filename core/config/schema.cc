@@ -8,6 +8,7 @@
 
 #include "core/config/field_table.h"
 #include "core/config/stages.h"
+#include "core/config/toml_fields.h"
 
 namespace drumsweep {
 void add_physics_fields(Physics& s, std::vector<Field>& list) {
@@ -184,27 +185,12 @@ std::vector<Field> fields(Study& s) {
 std::string to_toml(const Field& field) {
   struct {
     bool or_auto;
-    std::string operator()(const double* v) const {
-      std::string text = fmt::format("{}", *v);
-      if (std::isfinite(*v) && text.find_first_of(".e") == std::string::npos) text += ".0";
-      return text;
-    }
+    std::string operator()(const double* v) const { return toml_number(*v); }
     std::string operator()(const std::int64_t* v) const {
       return or_auto && *v == 0 ? "\"auto\"" : fmt::format("{}", *v);
     }
     std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
-    std::string operator()(const std::string* v) const {
-      std::string out = "\"";
-      for (const char c : *v) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20) {
-          out += fmt::format("\\u{:04x}", c);
-        } else {
-          out += c;
-        }
-      }
-      return out + '"';
-    }
+    std::string operator()(const std::string* v) const { return toml_text(*v); }
   } print{field.or_auto};
   return std::visit(print, field.value);
 }

@@ -19,6 +19,10 @@ double real_number(const toml::node& node, const std::string& here, const std::s
 /// @throws InputError with line and column
 toml::table parse_toml(const std::string& text, const std::string& source);
 
+/// A text in quotes, escaped; a number with all digits needed to read it back exactly, and never like an integer.
+std::string toml_text(const std::string& text);
+std::string toml_number(double value);
+
 /// Whole file. @throws InputError
 std::string read_text(const std::string& path);
 

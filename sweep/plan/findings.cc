@@ -47,25 +47,10 @@ std::string list_of(const std::vector<std::string>& items) {
   return items.empty() ? "[]" : fmt::format("[\n  {},\n]", fmt::join(items, ",\n  "));
 }
 
-/// A TOML string; texts here hold no control characters.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
-std::string number(double value) {
-  const std::string text = fmt::format("{}", value);
-  return !std::isfinite(value) || text.find_first_of(".e") != std::string::npos ? text : text + ".0";
-}
-
 std::string table_of(const Box& box, const Point& point) {
   std::string out;
   for (std::size_t i = 0; i < box.size(); ++i)
-    out += fmt::format("{}{} = {}", i == 0 ? "{ " : ", ", quoted(box[i].key), number(point[i]));
+    out += fmt::format("{}{} = {}", i == 0 ? "{ " : ", ", toml_text(box[i].key), toml_number(point[i]));
   return out + " }";
 }
 
@@ -118,14 +103,14 @@ std::string to_toml(const Plan& plan, const std::optional<Findings>& findings) {
       "# What the stages have decided and found; made anew by every run. Lengths in m, angles as the keys say.\n";
   for (const StageSummary& stage : plan.stages) {
     std::vector<std::string> notes, designs;
-    for (const std::string& note : stage.notes) notes.push_back(quoted(note));
+    for (const std::string& note : stage.notes) notes.push_back(toml_text(note));
     out += fmt::format("\n[[stage]]\nname = {}\ntype = {}\ncomplete = {}\nnum_designs = {}\nnotes = {}\n",
-                       quoted(stage.name), quoted(stage.type), stage.complete, stage.nodes, list_of(notes));
+                       toml_text(stage.name), toml_text(stage.type), stage.complete, stage.nodes, list_of(notes));
     if (stage.type == "grid" || stage.type == "points") continue;
     for (const std::size_t i : stage.designs) {
       std::string values;
       for (const auto& [key, value] : plan.designs[i].values)
-        values += fmt::format("{}{} = {}", values.empty() ? "{ " : ", ", quoted(key), number(value));
+        values += fmt::format("{}{} = {}", values.empty() ? "{ " : ", ", toml_text(key), toml_number(value));
       designs.push_back(values + " }");
     }
     // By content, as the order in which results came in is not a result.
@@ -139,19 +124,19 @@ std::string to_toml(const Plan& plan, const std::optional<Findings>& findings) {
       "loo_chi2 = {}\nq2 = {}\namplitude_over_run = {}\namplitude_over_error = {}\nquadratic_chi2 = {}\nquadratic_p = "
       "{}\n"
       "shared_noise_gain = {}\n",
-      quoted(findings->gate.reason), findings->gate.smooth(), g.num_rows, g.num_points, number(g.loo_rms_m),
-      number(g.loo_over_sigma), number(g.loo_chi2), number(g.q2), number(g.amplitude_over_run),
-      number(g.amplitude_over_error), number(g.quadratic_chi2), number(g.quadratic_p),
-      number(findings->shared_noise_gain));
+      toml_text(findings->gate.reason), findings->gate.smooth(), g.num_rows, g.num_points, toml_number(g.loo_rms_m),
+      toml_number(g.loo_over_sigma), toml_number(g.loo_chi2), toml_number(g.q2), toml_number(g.amplitude_over_run),
+      toml_number(g.amplitude_over_error), toml_number(g.quadratic_chi2), toml_number(g.quadratic_p),
+      toml_number(findings->shared_noise_gain));
   if (const auto& o = findings->optimum)
     out += fmt::format("\n[optimum]\nat = {}\nlow_95 = {}\nhigh_95 = {}\nf_m = {}\nsigma_f_m = {}\n",
                        table_of(findings->box, o->at), table_of(findings->box, o->low),
-                       table_of(findings->box, o->high), number(o->f_m), number(o->sigma_m));
+                       table_of(findings->box, o->high), toml_number(o->f_m), toml_number(o->sigma_m));
   if (const auto& c = findings->confirmation) {
     out += fmt::format(
         "\n[confirmation]\nat = {}\nnum_runs = {}\nf_m = {}\nsigma_f_m = {}\nmax_an_over_a0 = {}\nstop_test_met = {}\n",
-        table_of(findings->box, c->at), c->num_runs, number(c->f_m), number(c->sigma_m), number(c->max_an_over_a0),
-        c->stop_test);
+        table_of(findings->box, c->at), c->num_runs, toml_number(c->f_m), toml_number(c->sigma_m),
+        toml_number(c->max_an_over_a0), c->stop_test);
     if (c->below_tolerance) out += fmt::format("below_tolerance = {}\n", *c->below_tolerance);
   }
   return out;
