@@ -20,21 +20,6 @@
 namespace drumsweep {
 namespace {
 
-/// What the lock file of a run that is going on says: "phase ..." and "running ID ID".
-std::set<std::string> running_designs(const std::string& lock_text, SweepStatus& status) {
-  std::set<std::string> ids;
-  std::istringstream lines(lock_text);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "phase") status.phase = line.substr(std::min(line.size(), word.size() + 1));
-    if (word == "running")
-      while (words >> word) ids.insert(word);
-  }
-  return ids;
-}
-
 std::map<std::string, ResultRow> rows_of_table(const OutputPaths& paths) {
   std::map<std::string, ResultRow> rows;
   std::error_code error;
@@ -47,6 +32,22 @@ std::map<std::string, ResultRow> rows_of_table(const OutputPaths& paths) {
 bool is_loss(const std::string& event) { return event == "lost" || event == "crashed" || event == "aborted"; }
 
 }  // namespace
+
+std::optional<ActiveRun> active_run(const OutputPaths& paths) {
+  const auto text = read_held_lock(paths.lock());
+  if (!text) return std::nullopt;
+  ActiveRun run;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "phase") run.phase = line.substr(std::min(line.size(), word.size() + 1));
+    if (word == "running")
+      while (words >> word) run.designs.insert(word);
+  }
+  return run;
+}
 
 Plan plan_of_folder(const OutputPaths& paths, const Study& study) {
   Plan plan = plan_designs(study);
@@ -73,9 +74,10 @@ SweepStatus read_status(const std::string& folder) {
   status.variable_names = plan.columns;
 
   std::set<std::string> running;
-  if (const auto text = read_held_lock(paths.lock())) {
+  if (auto run = active_run(paths)) {
     status.active = true;
-    running = running_designs(*text, status);
+    status.phase = std::move(run->phase);
+    running = std::move(run->designs);
   }
 
   // The last word on each design.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,13 @@ struct SweepStatus {
   std::optional<ResultRow> best;
   std::vector<RunTimeline> timeline;  ///< of all runs so far
 };
+
+/// What the lock file says of the run that holds the folder now; nothing while there is none.
+struct ActiveRun {
+  std::string phase;              ///< what rank 0 is at
+  std::set<std::string> designs;  ///< on ranks, by id
+};
+std::optional<ActiveRun> active_run(const OutputPaths& paths);
 
 /// The plan of a folder as far as its runs have got: what searches have asked for is in findings.toml.
 Plan plan_of_folder(const OutputPaths& paths, const Study& study);

@@ -6,11 +6,9 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <sstream>
 
 #include "core/config/schema.h"
 #include "sweep/status.h"
-#include "sweep/store/output_lock.h"
 #include "sweep/store/recordings.h"
 #include "sweep/store/results_image.h"
 
@@ -72,16 +70,6 @@ std::vector<DesignStory::Attempt> attempts_of(const std::string& id, const std::
   return attempts;
 }
 
-/// Is it on a rank of a run that is going on?
-bool is_running(const OutputPaths& paths, const std::string& id) {
-  const auto text = read_held_lock(paths.lock());
-  if (!text) return false;
-  std::istringstream lines(*text);
-  for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("running") && line.find(id) != std::string::npos) return true;
-  return false;
-}
-
 /// All that lies in designs/ under its id, and the pack that holds its recording.
 std::vector<std::string> files_of(const OutputPaths& paths, const RecordingIndex& recordings, const std::string& id) {
   std::vector<std::string> files;
@@ -137,7 +125,8 @@ DesignStory story_of(const std::string& folder, const std::string& which, const 
   story.files = files_of(paths, recordings, id);
   look_up_result(paths, study, recordings, story);
 
-  const bool running = is_running(paths, id);
+  const std::optional<ActiveRun> run = active_run(paths);
+  const bool running = run && run->designs.count(id) > 0;
   if (!story.attempts.empty() && story.attempts.back().end_utc.empty())
     story.attempts.back().event = running ? "running" : "lost";
   if (story.state.empty()) {
