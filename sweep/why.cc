@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "core/config/schema.h"
+#include "sweep/farm/casualties.h"
 #include "sweep/status.h"
 #include "sweep/store/recordings.h"
 #include "sweep/store/results_image.h"
@@ -107,7 +108,8 @@ void look_up_result(const OutputPaths& paths, const Study& study, RecordingIndex
   if (recordings.has_recording(design.id))
     story.retry = story.state == "done" ? "" : "its landings are stored; other settings need another output folder";
   else
-    story.retry = fmt::format("delete {} and run the same command again", paths.failure(design.id));
+    story.retry = fmt::format("run the same command again with --retry {}",
+                              story.reason.rfind(quarantined, 0) == 0 ? "lost" : "failed");
 }
 
 }  // namespace
