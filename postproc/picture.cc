@@ -65,9 +65,12 @@ Vector3d axis_of(const Still::Drum& drum) { return (drum.end - drum.begin).norma
 
 Cut cut_of(const Still::Drum& drum, const Vector3d& into) {
   const Vector3d axis = axis_of(drum);
-  const Vector3d normal = -(into - axis * axis.dot(into)).normalized();
-  // A little nearer than the axis, so that the lowest balls lie in the part that stays.
-  return {normal, normal.dot(drum.outlet) + 0.12 * drum.radius};
+  const Vector3d towards = -(into - axis * axis.dot(into)).normalized();
+  // Turned a little about the axis: more stays of the lower part, in which the balls lie, and less of the upper one.
+  Vector3d up = axis.cross(towards);
+  if (up[2] < 0) up = -up;
+  const Vector3d normal = (towards + 0.15 * up).normalized();
+  return {normal, normal.dot(drum.outlet)};
 }
 
 /// The view: from beyond the outlet, from the side to which the belt moves and where the turning bed is low.
@@ -173,10 +176,9 @@ class Overlay {
   void box(double x, double y, double width, double height, const Vector3d& colour) {
     ++num_things_;
     text_ += fmt::format(
-        "polygon {{ 5, {}, {}, {}, {}, {} pigment {{ srgb {} }} finish {{ ambient 0 diffuse 0 emission 1 }} no_shadow "
-        "}}\n",
-        pov_at(x, y), pov_at(x + width, y), pov_at(x + width, y + height), pov_at(x, y + height), pov_at(x, y),
-        pov(colour));
+        "mesh {{ triangle {{ {0}, {1}, {2} }} triangle {{ {0}, {2}, {3} }} pigment {{ srgb {4} }}\n"
+        "  finish {{ ambient 0 diffuse 0 emission 1 }} no_shadow }}\n",
+        pov_at(x, y), pov_at(x + width, y), pov_at(x + width, y + height), pov_at(x, y + height), pov(colour));
   }
   const std::string& text() const { return text_; }
 
@@ -198,9 +200,9 @@ class Overlay {
 const Vector3d ink(0.13, 0.13, 0.15);
 
 void add_colour_bar(Overlay& over, const PictureOptions& options, const PictureFrame& frame, const Layout& page) {
-  const double x = options.width - page.right + 2.0 * page.font, width = 1.1 * page.font, height = 0.46 * options.height,
+  const double x = options.width - page.right + 2.4 * page.font, width = 1.1 * page.font, height = 0.46 * options.height,
                top = 0.5 * (options.height - page.bottom - height) + page.top;
-  over.label(frame.colour_label, options.width - page.right + 1.2 * page.font, top + 0.5 * height, page.font, 0.5, 90);
+  over.label(frame.colour_label, options.width - page.right + 1.1 * page.font, top + 0.5 * height, page.font, 0.5, 90);
   for (int i = 0; i < num_shades; ++i) {
     const double from = std::round(top + height * (num_shades - 1 - i) / num_shades),
                  to = std::round(top + height * (num_shades - i) / num_shades);
@@ -383,8 +385,8 @@ std::string pov_scene(const Still& still, const PictureOptions& options, const P
       "light_source {{ {} rgb 0.38 shadowless }}\n",
       pov(frame.centre - 2 * frame.depth * frame.into), pov(frame.into),
       pov(options.width * frame.metres_per_pixel * frame.right), pov(options.height * frame.metres_per_pixel * frame.up),
-      pov(light(-0.35, 0.85, 0.75)), pov(0.5 * size * frame.right), pov(0.5 * size * frame.up),
-      pov(light(0.6, 0.1, 1)));
+      pov(light(-0.3, 0.5, 1.0)), pov(0.5 * size * frame.right), pov(0.5 * size * frame.up),
+      pov(light(0.7, 0.9, 0.4)));
   out += pov_walls(still, frame) + pov_balls(still, options, frame);
 
   Overlay over(options, frame);

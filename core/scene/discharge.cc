@@ -1,6 +1,8 @@
 #include "core/scene/discharge.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/geometry/primitives.h"
@@ -10,7 +12,14 @@ namespace drumsweep {
 namespace {
 
 constexpr double floor_below_belt = 0.25;  ///< what has left the belt is gone from there on [m]
-constexpr double skirt_height = 0.9;       ///< of the drop height, so that the skirts stay below the drum
+
+/// Height of a skirt at y: it ends below the drum, beyond which it is as high as the drum is wide [m].
+double skirt_height(const Study& study, double y) {
+  const double incline = study.drum.inclination_deg * std::numbers::pi / 180;
+  const double to_end = study.outlet.length_m - (y - study.belt.outlet_begin_m) / std::cos(incline);
+  if (to_end < -study.material.diameter_m) return study.belt.drop_height_m + study.drum.diameter_m;
+  return 0.9 * (study.belt.drop_height_m + std::max(0.0, to_end) * std::sin(incline));
+}
 
 /// The belt, and where it has them its skirts: smooth sheets, as in the conveyor scene.
 void add_belt(DrumModel& model, double height) {
@@ -25,9 +34,9 @@ void add_belt(DrumModel& model, double height) {
   model.world.add_wall(std::move(belt), resolution, motion);
   if (config.edge != "skirt") return;
   TriangleMesh skirts;
-  const Eigen::Vector3d up(0, 0, skirt_height * config.drop_height_m);
-  add_plate(skirts, {begin, 0, height}, up, along);
-  add_plate(skirts, {begin, config.width_m, height}, along, up);
+  const auto up = [&](double y) { return Eigen::Vector3d(0, 0, skirt_height(model.study, y)); };
+  add_plate(skirts, {begin, 0, height}, up(0), along);
+  add_plate(skirts, {begin, config.width_m, height}, along, up(config.width_m));
   Surface smooth = wall_surface(model.study);
   smooth.friction = 0;
   smooth.friction_speed.on = false;
