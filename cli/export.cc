@@ -74,9 +74,9 @@ void write_moment(const Still& still, const std::string& format, Folder& folder)
     collector.write(folder);
     return;
   }
-  if (format == "vtkhdf") folder.write("balls.vtkhdf", vtkhdf_balls(still.balls));
+  if (format == "vtkhdf") folder.write("balls.hdf", vtkhdf_balls(still.balls));
   for (const Still::Wall& wall : still.walls) {
-    const std::string name = wall.name + "." + format;
+    const std::string name = wall.name + "." + (format == "vtkhdf" ? "hdf" : format);
     if (format == "vtkhdf")
       folder.write(name, vtkhdf_mesh(wall.mesh));
     else
@@ -103,11 +103,11 @@ void write_landings(const Options& options, const Moment& moment, Folder& folder
   std::vector<float> landed_s;
   if (options.format == "vtkhdf") {
     const Balls balls = at(recording.begin_s + duration, landed_s);
-    folder.write("landings.vtkhdf", vtkhdf_balls(balls, landed_s));
+    folder.write("landings.hdf", vtkhdf_balls(balls, landed_s));
     return;
   }
   Trajectory points(Trajectory::Kind::landings);
-  const int frames = std::max(2, options.moment.frames);
+  const int frames = options.moment.frames > 1 ? options.moment.frames : 24;
   for (int i = 1; i <= frames; ++i) {
     const double time = recording.begin_s + duration * i / frames;
     const Balls balls = at(time, landed_s);
@@ -130,7 +130,7 @@ void say(const Folder& folder, const Moment& moment, const std::string& format) 
   if (format == "xdmf")
     fmt::print("{}The same at once: paraview --script={}/open_in_paraview.py\n", how_to_open, folder.path());
   if (format == "vtkhdf")
-    fmt::print("In ParaView: open balls.vtkhdf and the walls; then as for XDMF, see `drumsweep export --help`.\n");
+    fmt::print("In ParaView: open balls.hdf and the walls (\"VTKHDF Reader\"); then as for XDMF, see `drumsweep export --help`.\n");
 }
 
 int export_moment(const Options& options) {

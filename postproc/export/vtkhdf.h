@@ -1,4 +1,5 @@
-/// VTKHDF 1.0, UnstructuredGrid: the part of that format which ParaView 5.11 reads. It has no time, so one moment a file.
+/// VTKHDF 1.0, UnstructuredGrid: the part of that format which ParaView 5.11 reads. It has no time, so one moment a file; and its reader
+/// is offered for the ending .hdf only.
 /// Source: VTK 9.2, "VTK File Formats", section VTKHDF.
 #pragma once
 
