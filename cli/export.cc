@@ -122,7 +122,8 @@ const char* const how_to_open =
     "Apply.\n"
     "Filter Glyph: Glyph Type Sphere, Orientation Array none, Scale Array diameter_m, Scale Factor 1, Glyph Mode All "
     "Points;\n"
-    "each ball then has its size. Colour by speed_m_s [m/s], slot (0 inside, 1 ... slot, 255 over the end) or others.\n";
+    "each ball then has its size. Colour by speed_m_s [m/s], slot (0 inside, 1 ... slot, 255 over the end) or "
+    "others.\n";
 
 void say(const Folder& folder, const Moment& moment, const std::string& format) {
   fmt::print("{}: {}\n", folder.path(), moment.text);
@@ -130,7 +131,9 @@ void say(const Folder& folder, const Moment& moment, const std::string& format) 
   if (format == "xdmf")
     fmt::print("{}The same at once: paraview --script={}/open_in_paraview.py\n", how_to_open, folder.path());
   if (format == "vtkhdf")
-    fmt::print("In ParaView: open balls.hdf and the walls (\"VTKHDF Reader\"); then as for XDMF, see `drumsweep export --help`.\n");
+    fmt::print(
+        "In ParaView: open balls.hdf and the walls (\"VTKHDF Reader\"); then as for XDMF, see `drumsweep export "
+        "--help`.\n");
 }
 
 int export_moment(const Options& options) {
@@ -138,9 +141,10 @@ int export_moment(const Options& options) {
   const bool meshes_only = options.format == "stl" || options.format == "obj";
   const bool several = options.moment.frames > 1;
   if (several && options.format != "xdmf")
-    throw InputError(fmt::format("--frames {}: --format {} holds one moment (ParaView 5.11 reads no series of it); use "
-                                 "--format xdmf",
-                                 options.moment.frames, options.format));
+    throw InputError(
+        fmt::format("--frames {}: --format {} holds one moment (ParaView 5.11 reads no series of it); use "
+                    "--format xdmf",
+                    options.moment.frames, options.format));
   if (options.moment.seconds && !several) throw InputError("--seconds: needs --frames 2 or more");
   const Moment moment = read_moment(options.moment);
   const double lead = meshes_only && !options.moment.lead_s ? 0 : lead_of(options.moment, moment, several);
@@ -186,16 +190,17 @@ void add_export(CLI::App& app, int& exit_code) {
                    "xdmf: moments of a trajectory, the simulation going on from the state [default: the state alone]")
       ->check(CLI::Range(1, 5000));
   command->footer(
-      std::string("Examples:\n"
-                  "  drumsweep export out/warm_state.h5 --format xdmf -o view             the stored state\n"
-                  "  drumsweep export out --format xdmf -o view --frames 50 --seconds 2   the best design, 2 s of it\n"
-                  "  drumsweep export out --at 3,0.035 --format stl -o cad                drum with that outlet, belt\n"
-                  "  drumsweep export pile/pile.h5 --format vtkhdf -o view                a scene\n"
-                  "Lengths in metres, z up, x along the belt, y across it from its edge. Arrays: velocity_m_s, "
-                  "spin_rad_s, diameter_m,\n"
-                  "speed_m_s, id, slot; landings (of a folder's design, carried along by the belt): landed_s instead of "
-                  "spin. Walls are\n"
-                  "surfaces without thickness, normals towards the balls: not watertight.\n") +
+      std::string(
+          "Examples:\n"
+          "  drumsweep export out/warm_state.h5 --format xdmf -o view             the stored state\n"
+          "  drumsweep export out --format xdmf -o view --frames 50 --seconds 2   the best design, 2 s of it\n"
+          "  drumsweep export out --at 3,0.035 --format stl -o cad                drum with that outlet, belt\n"
+          "  drumsweep export pile/pile.h5 --format vtkhdf -o view                a scene\n"
+          "Lengths in metres, z up, x along the belt, y across it from its edge. Arrays: velocity_m_s, "
+          "spin_rad_s, diameter_m,\n"
+          "speed_m_s, id, slot; landings (of a folder's design, carried along by the belt): landed_s instead of "
+          "spin. Walls are\n"
+          "surfaces without thickness, normals towards the balls: not watertight.\n") +
       how_to_open);
   command->callback([options, &exit_code] { exit_code = export_moment(*options); });
 }

@@ -56,8 +56,8 @@ Moment of_folder(const MomentOptions& options) {
 
 Moment of_file(const MomentOptions& options) {
   if (!options.at.empty() || !options.id.empty())
-    throw InputError(fmt::format("--{}: is for output folders; {} is a file", options.at.empty() ? "id" : "at",
-                                 options.path));
+    throw InputError(
+        fmt::format("--{}: is for output folders; {} is a file", options.at.empty() ? "id" : "at", options.path));
   const std::string bytes = read_whole_file(options.path), kind = verify_seal(bytes, options.path).kind;
   Moment moment;
   if (kind == "scene") {
@@ -67,7 +67,8 @@ Moment of_file(const MomentOptions& options) {
     moment.drum = unpack_drum_moment(bytes, options.path);
     moment.text = fmt::format("drum of {}", moment.drum->study.name);
   } else {
-    throw InputError(fmt::format("{}: is a {}, which has no balls at one moment; {}", options.path, kind, what_is_shown));
+    throw InputError(
+        fmt::format("{}: is a {}, which has no balls at one moment; {}", options.path, kind, what_is_shown));
   }
   return moment;
 }
@@ -156,8 +157,8 @@ bool film(Moment moment, double lead_s, const MomentOptions& options, Reporter& 
       if (stop_requested()) return false;
       throw;
     }
-    reporter.update({"frames", begin + interval * (i + 1), begin + interval * options.frames,
-                     discharge.state().balls.size()});
+    reporter.update(
+        {"frames", begin + interval * (i + 1), begin + interval * options.frames, discharge.state().balls.size()});
     if (stop_requested()) return false;
   }
   reporter.clear();

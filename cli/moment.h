@@ -18,9 +18,9 @@ class App;
 namespace drumsweep {
 
 struct MomentOptions {
-  std::string path;         ///< of a state file or an output folder
-  std::vector<double> at;   ///< folder: the design's values ...
-  std::string id;           ///< ... or its id; neither: the best design
+  std::string path;              ///< of a state file or an output folder
+  std::vector<double> at;        ///< folder: the design's values ...
+  std::string id;                ///< ... or its id; neither: the best design
   std::optional<double> lead_s;  ///< simulated before the first picture
   int frames = 0;
   std::optional<double> seconds;  ///< of these frames; none: one turn of the drum
@@ -32,7 +32,7 @@ void add_moment_options(CLI::App& command, MomentOptions& options);
 /// A drum or a scene at one moment.
 struct Moment {
   std::optional<DrumMoment> drum;
-  std::optional<StoredScene> scene;  ///< where it is no drum
+  std::optional<StoredScene> scene;     ///< where it is no drum
   std::optional<PlannedDesign> design;  ///< of a folder
   std::string text;                     ///< what it is, for people
 };

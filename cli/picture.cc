@@ -38,8 +38,9 @@ int stopped() {
   return exit_stopped;
 }
 
-int animate(const Options& options, const Moment& moment, double lead) {
+int animate(Options options, const Moment& moment, double lead) {
   Reporter reporter;
+  options.picture.soft_shadows = false;
   Animation animation(options.file, options.picture);
   const double interval = frame_interval(options.moment, moment);
   if (!film(moment, lead, options.moment, reporter, [&](const Still& still, double time) {
@@ -110,7 +111,8 @@ void add_picture(CLI::App& app, int& exit_code) {
       "  drumsweep picture out --at 3,0.035 -o film.gif --animate           a turn of the drum, the outlet end\n"
       "  drumsweep picture out/warm_state.h5 -o film.mp4 --animate --frames 120 --seconds 4 --size 1280x720\n"
       "  drumsweep picture pile/pile.h5 -o pile.png                         a scene\n"
-      "The projection is parallel: the scale bar, in metres, holds for all that lies across the line of sight. In a run, "
+      "The projection is parallel: the scale bar, in metres, holds for all that lies across the line of sight. In a "
+      "run, "
       "balls\n"
       "end where they meet the belt; here they lie on it and ride away. Needs POV-Ray (apt-get install povray), "
       "--animate\n"

@@ -31,17 +31,18 @@ void Animation::add(const Still& still, const std::string& caption) {
 
 void Animation::write(double pictures_per_second) {
   const bool gif = path_.ends_with(".gif");
-  std::vector<std::string> command = {"ffmpeg", "-v", "error", "-framerate", fmt::format("{:.4f}", pictures_per_second),
-                                      "-i",     "%05d.png"};
+  std::vector<std::string> command = {
+      "ffmpeg", "-v", "error", "-framerate", fmt::format("{:.4f}", pictures_per_second), "-i", "%05d.png"};
   // One palette for all pictures and no dithering: still parts stay still, and the file small.
   const std::vector<std::string> as_gif = {
-      "-vf", "split[a][b];[a]palettegen=max_colors=96:stats_mode=full[p];[b][p]paletteuse=dither=none:diff_mode=rectangle",
+      "-vf",
+      "split[a][b];[a]palettegen=max_colors=96:stats_mode=full[p];[b][p]paletteuse=dither=none:diff_mode=rectangle",
       "-loop", "0", "film.gif"};
   // Players want even sizes and this pixel format.
-  const std::vector<std::string> as_mp4 = {"-vf",  "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
-                                           "-c:v", "libx264",
-                                           "-pix_fmt", "yuv420p",
-                                           "-crf", "18",
+  const std::vector<std::string> as_mp4 = {"-vf",       "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
+                                           "-c:v",      "libx264",
+                                           "-pix_fmt",  "yuv420p",
+                                           "-crf",      "18",
                                            "-movflags", "+faststart",
                                            "film.mp4"};
   command.insert(command.end(), (gif ? as_gif : as_mp4).begin(), (gif ? as_gif : as_mp4).end());

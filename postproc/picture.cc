@@ -22,9 +22,9 @@ constexpr const char* install_povray = "install POV-Ray: apt-get install povray"
 /// Viridis (van der Walt and Smith 2015) at nine places, linear between: lightness grows evenly, so it reads in grey too.
 Vector3d shade(double t) {
   static const std::array<Vector3d, 9> stops = {
-      Vector3d(0.267, 0.005, 0.329), {0.275, 0.195, 0.496}, {0.230, 0.322, 0.546}, {0.173, 0.449, 0.558},
-      {0.128, 0.567, 0.551},         {0.158, 0.684, 0.502}, {0.369, 0.789, 0.383}, {0.678, 0.864, 0.190},
-      {0.993, 0.906, 0.144}};
+      Vector3d(0.267, 0.005, 0.329), {0.275, 0.195, 0.496}, {0.230, 0.322, 0.546},
+      {0.173, 0.449, 0.558},         {0.128, 0.567, 0.551}, {0.158, 0.684, 0.502},
+      {0.369, 0.789, 0.383},         {0.678, 0.864, 0.190}, {0.993, 0.906, 0.144}};
   const double at = std::clamp(t, 0.0, 1.0) * (stops.size() - 1);
   const auto i = std::min(stops.size() - 2, static_cast<std::size_t>(at));
   return stops[i] + (at - static_cast<double>(i)) * (stops[i + 1] - stops[i]);
@@ -200,13 +200,14 @@ class Overlay {
 const Vector3d ink(0.13, 0.13, 0.15);
 
 void add_colour_bar(Overlay& over, const PictureOptions& options, const PictureFrame& frame, const Layout& page) {
-  const double x = options.width - page.right + 2.4 * page.font, width = 1.1 * page.font, height = 0.46 * options.height,
-               top = 0.5 * (options.height - page.bottom - height) + page.top;
+  const double x = options.width - page.right + 2.4 * page.font, width = 1.1 * page.font,
+               height = 0.46 * options.height, top = 0.5 * (options.height - page.bottom - height) + page.top;
   over.label(frame.colour_label, options.width - page.right + 1.1 * page.font, top + 0.5 * height, page.font, 0.5, 90);
   for (int i = 0; i < num_shades; ++i) {
     const double from = std::round(top + height * (num_shades - 1 - i) / num_shades),
                  to = std::round(top + height * (num_shades - i) / num_shades);
-    over.box(x, from, width, to - from, shade((i + 0.5) / num_shades));
+    // Each reaches a little below the next, so that no light comes through between them.
+    over.box(x, from, width, to - from + (i > 0 ? 1 : 0), shade((i + 0.5) / num_shades));
   }
   const double range = frame.high - frame.low, step = round_down(range / 3);
   for (double value = frame.low; value <= frame.high + 1e-9 * range; value += step) {
@@ -268,7 +269,8 @@ std::string pov_mesh(const TriangleMesh& mesh, bool smooth, const std::string& m
   }
   std::size_t num = 0;
   for (const auto& t : mesh.triangles) {
-    const Vector3d &a = mesh.vertices[static_cast<std::size_t>(t[0])], &b = mesh.vertices[static_cast<std::size_t>(t[1])],
+    const Vector3d &a = mesh.vertices[static_cast<std::size_t>(t[0])],
+                   &b = mesh.vertices[static_cast<std::size_t>(t[1])],
                    &c = mesh.vertices[static_cast<std::size_t>(t[2])];
     if (!shown(a, b, c)) continue;
     faces += fmt::format(",<{},{},{}>", t[0], t[1], t[2]);
@@ -293,8 +295,8 @@ std::string pov_walls(const Still& still, const PictureFrame& frame) {
       out += pov_mesh(wall.mesh, true, clip + drum_texture, [&](const auto& a, const auto& b, const auto& c) {
         return !(cut.away(a) && cut.away(b) && cut.away(c));
       });
-    } else if (wall.name == "belt") {
-      const Vector3d down(0, 0, 0.012);
+    } else if (still.drum && wall.name == "belt") {
+      const Vector3d down(0, 0, 0.06 * still.drum->radius);
       out += fmt::format("box {{ {}, {} {} }}\n", pov(wall.mesh.vertices.front() - down), pov(wall.mesh.vertices[2]),
                          belt_texture);
     } else {
@@ -306,28 +308,57 @@ std::string pov_walls(const Still& still, const PictureFrame& frame) {
   return out;
 }
 
-std::string pov_balls(const Still& still, const PictureOptions& options, const PictureFrame& frame) {
+/// @param drawn, drawn_frame  in the picture's units; the others in metres, for the colours
+std::string pov_balls(const Still& still, const PictureOptions& options, const PictureFrame& frame, const Still& drawn,
+                      const PictureFrame& drawn_frame) {
   std::string out;
   const std::size_t num = options.colour == "slot" ? frame.classes.size() : num_shades;
   for (std::size_t i = 0; i < num; ++i) {
-    const Vector3d c = options.colour == "slot" ? class_colour(i, num)
-                                                : shade((static_cast<double>(i) + 0.5) / num_shades);
+    const Vector3d c =
+        options.colour == "slot" ? class_colour(i, num) : shade((static_cast<double>(i) + 0.5) / num_shades);
     out += fmt::format(
         "#declare T{} = texture {{ pigment {{ srgb {} }} finish {{ ambient 0.24 diffuse 0.72 specular 0.12 roughness "
         "0.03 }} }}\n",
         i, pov(c));
   }
-  const double half_width = 0.5 * frame.metres_per_pixel * options.width,
-               half_height = 0.5 * frame.metres_per_pixel * options.height;
-  for (std::size_t i = 0; i < still.balls.size(); ++i) {
-    const Vector3d p = still.balls.position[i] - frame.centre;
-    const double r = still.balls.radius[i];
+  const double half_width = 0.5 * drawn_frame.metres_per_pixel * options.width,
+               half_height = 0.5 * drawn_frame.metres_per_pixel * options.height;
+  for (std::size_t i = 0; i < drawn.balls.size(); ++i) {
+    const Vector3d& p = drawn.balls.position[i];
+    const double r = drawn.balls.radius[i];
     // Outside of the picture; their shadows are missed by nobody.
     if (std::abs(p.dot(frame.right)) > half_width + 4 * r || std::abs(p.dot(frame.up)) > half_height + 4 * r) continue;
-    out += fmt::format("sphere {{ {}, {:.6f} texture {{ T{} }} }}\n", pov(still.balls.position[i]), r,
-                       texture_of(still, i, options, frame));
+    out += fmt::format("sphere {{ {}, {:.6f} texture {{ T{} }} }}\n", pov(p), r, texture_of(still, i, options, frame));
   }
   return out;
+}
+
+/// A hundred pixels are one unit, the picture's centre is the origin: POV-Ray takes what is small in its units for nothing.
+constexpr double units_per_pixel = 0.01;
+
+/// Balls and walls in these units.
+Still in_picture_units(const Still& still, const PictureFrame& frame) {
+  Still out = still;
+  const double scale = units_per_pixel / frame.metres_per_pixel;
+  const auto move = [&](Vector3d& p) { p = (p - frame.centre) * scale; };
+  for (Vector3d& p : out.balls.position) move(p);
+  for (double& r : out.balls.radius) r *= scale;
+  for (Still::Wall& wall : out.walls)
+    for (Vector3d& p : wall.mesh.vertices) move(p);
+  if (out.drum) {
+    move(out.drum->begin);
+    move(out.drum->outlet);
+    move(out.drum->end);
+    out.drum->radius *= scale;
+  }
+  return out;
+}
+
+PictureFrame in_picture_units(PictureFrame frame) {
+  frame.depth *= units_per_pixel / frame.metres_per_pixel;
+  frame.centre.setZero();
+  frame.metres_per_pixel = units_per_pixel;
+  return frame;
 }
 
 }  // namespace
@@ -337,8 +368,8 @@ PictureFrame picture_frame(const Still& still, const PictureOptions& options) {
     throw InputError(fmt::format("--colour {}: only a drum has that; accepted for the scene {} is speed",
                                  options.colour, still.name));
   if (!still.drum && options.view != "all")
-    throw InputError(fmt::format("--view {}: only a drum has that; accepted for the scene {} is all", options.view,
-                                 still.name));
+    throw InputError(
+        fmt::format("--view {}: only a drum has that; accepted for the scene {} is all", options.view, still.name));
   PictureFrame frame;
   frame.into = -viewer(still, options);
   frame.right = frame.into.cross(Vector3d(0, 0, 1)).normalized();
@@ -373,23 +404,27 @@ PictureFrame picture_frame(const Still& still, const PictureOptions& options) {
 
 std::string pov_scene(const Still& still, const PictureOptions& options, const PictureFrame& frame,
                       const std::string& caption) {
-  const double size = frame.metres_per_pixel * std::hypot(options.width, options.height);
+  const Still drawn = in_picture_units(still, frame);
+  const PictureFrame page_frame = in_picture_units(frame);
+  const double size = page_frame.metres_per_pixel * std::hypot(options.width, options.height);
   const auto light = [&](double right, double up, double back) -> Vector3d {
-    return frame.centre + 4 * size * (right * frame.right + up * frame.up - back * frame.into);
+    return page_frame.centre + 4 * size * (right * page_frame.right + up * page_frame.up - back * page_frame.into);
   };
+  const std::string area = fmt::format("area_light {}, {}, 4, 4 adaptive 1 circular orient",
+                                       pov(0.5 * size * page_frame.right), pov(0.5 * size * page_frame.up));
   // The vectors are given outright: with them POV-Ray's left-handed axes need no thought.
   std::string out = fmt::format(
       "#version 3.7;\nglobal_settings {{ assumed_gamma 1.0 max_trace_level 5 }}\nbackground {{ rgb 1 }}\n"
       "camera {{ orthographic location {} direction {} right {} up {} }}\n"
-      "light_source {{ {} rgb 0.98 area_light {}, {}, 4, 4 adaptive 1 circular orient }}\n"
+      "light_source {{ {} rgb 0.98 {} }}\n"
       "light_source {{ {} rgb 0.38 shadowless }}\n",
-      pov(frame.centre - 2 * frame.depth * frame.into), pov(frame.into),
-      pov(options.width * frame.metres_per_pixel * frame.right), pov(options.height * frame.metres_per_pixel * frame.up),
-      pov(light(-0.3, 0.5, 1.0)), pov(0.5 * size * frame.right), pov(0.5 * size * frame.up),
-      pov(light(0.7, 0.9, 0.4)));
-  out += pov_walls(still, frame) + pov_balls(still, options, frame);
+      pov(page_frame.centre - 2 * page_frame.depth * page_frame.into), pov(page_frame.into),
+      pov(options.width * page_frame.metres_per_pixel * page_frame.right),
+      pov(options.height * page_frame.metres_per_pixel * page_frame.up), pov(light(-0.3, 0.5, 1.0)),
+      options.soft_shadows ? area : "", pov(light(0.7, 0.9, 0.4)));
+  out += pov_walls(drawn, page_frame) + pov_balls(still, options, frame, drawn, page_frame);
 
-  Overlay over(options, frame);
+  Overlay over(options, page_frame);
   const Layout page = layout(options);
   if (frame.classes.empty())
     add_colour_bar(over, options, frame, page);
@@ -405,7 +440,7 @@ std::string rendered(const Still& still, const PictureOptions& options, const Pi
   write_durably((scratch.path / "scene.pov").string(), pov_scene(still, options, frame, caption));
   run_program(scratch.path,
               {"povray", "+Iscene.pov", "+Opicture.png", fmt::format("+W{}", options.width),
-               fmt::format("+H{}", options.height), "+A0.15", "+AM2", "+R2", "-D", "-GA"},
+               fmt::format("+H{}", options.height), "+A0.2", "+AM2", "+R2", "-D", "-GA"},
               install_povray);
   return read_whole_file((scratch.path / "picture.png").string());
 }

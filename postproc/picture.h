@@ -16,12 +16,13 @@ struct PictureOptions {
   int width = 1400, height = 900;  ///< pixels
   std::string colour = "speed";    ///< or, for drums, "slot": the way out that was taken; "axial": place along the axis
   std::string view = "all";        ///< or, for drums, "outlet": that end with the belt under it
+  bool soft_shadows = true;        ///< false: a quarter of the time, for films
 };
 
 /// What is the same in all pictures of an animation: camera and colours.
 struct PictureFrame {
-  Eigen::Vector3d right, up, into;   ///< unit vectors of the picture
-  Eigen::Vector3d centre;            ///< of the picture [m]
+  Eigen::Vector3d right, up, into;  ///< unit vectors of the picture
+  Eigen::Vector3d centre;           ///< of the picture [m]
   double metres_per_pixel = 0;
   double depth = 0;                  ///< all that is drawn is nearer than this to the centre, along `into` [m]
   double low = 0, high = 1;          ///< ends of the colour scale, in the unit of colour_label

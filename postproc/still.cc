@@ -39,8 +39,8 @@ Still still_of(const Discharge& discharge) {
 Still still_of(StoredScene scene) {
   Still still{scene.name, scene.time_s, std::move(scene.balls), {}, {}};
   for (TriangleMesh& mesh : scene.walls)
-    still.walls.push_back({scene.walls.size() == 1 ? "wall" : "wall" + std::to_string(still.walls.size() + 1),
-                           std::move(mesh)});
+    still.walls.push_back(
+        {scene.walls.size() == 1 ? "wall" : "wall" + std::to_string(still.walls.size() + 1), std::move(mesh)});
   return still;
 }
 

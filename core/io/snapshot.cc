@@ -360,8 +360,7 @@ DrumMoment unpack_drum_moment(const std::string& bytes, const std::string& sourc
   }
   const Hdf5Reader file(bytes, progress_kind, progress_layout, source);
   refuse_other_version(file, source);
-  const Study study =
-      study_of_design(parse_study(file.text("study"), source + ": study"), design_of(file, source));
+  const Study study = study_of_design(parse_study(file.text("study"), source + ": study"), design_of(file, source));
   return {study, study.outlet, read_state(file)};
 }
 

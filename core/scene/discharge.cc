@@ -46,7 +46,7 @@ void add_belt(DrumModel& model, double height) {
 
 }  // namespace
 
-BeltPiece belt_piece(const Study& study) { return {-0.75 * study.drum.diameter_m, study.drum.diameter_m}; }
+BeltPiece belt_piece(const Study& study) { return {-0.9 * study.drum.diameter_m, 0.9 * study.drum.diameter_m}; }
 
 Discharge::Discharge(const Study& study, const OutletConfig& outlet, DrumState state)
     : belt_height_(0), model_(study, outlet), state_(std::move(state)) {
@@ -75,13 +75,16 @@ void Discharge::step() {
   work_.threads = threads;
   feed_balls(model_, state_, feed_);
   work_.gone.assign(state_.balls.size(), 0);
-  advance(model_.world, state_, work_,
-          [&](double time) { record_exits_and_landings(model_, model_.pose(time), time, state_, work_.gone, nullptr); });
-  // Carried to the end of the belt.
-  const double end = belt_piece(model_.study).end;
-  for (std::size_t i = 0; i < state_.balls.size(); ++i)
-    if (state_.balls.position[i][0] > end && state_.balls.exit[i] != static_cast<std::uint8_t>(Exit::inside))
-      work_.gone[i] = 1;
+  advance(model_.world, state_, work_, [&](double time) {
+    record_exits_and_landings(model_, model_.pose(time), time, state_, work_.gone, nullptr);
+  });
+  // Carried to the end of the belt, or fallen past its beginning: the piece is cut out of a longer belt.
+  const BeltPiece belt = belt_piece(model_.study);
+  for (std::size_t i = 0; i < state_.balls.size(); ++i) {
+    const Eigen::Vector3d& p = state_.balls.position[i];
+    const bool past = p[0] > belt.end || (p[0] < belt.begin && p[2] < belt_height_ + state_.balls.radius[i]);
+    if (past && state_.balls.exit[i] != static_cast<std::uint8_t>(Exit::inside)) work_.gone[i] = 1;
+  }
   drop_gone(state_, work_.gone);
 }
 

@@ -13,7 +13,7 @@ namespace drumsweep {
 struct BeltPiece {
   double begin = 0, end = 0;
 };
-/// From three quarters of a diameter before the drum's axis to a diameter behind it.
+/// From nine tenths of a diameter before the drum's axis to as far behind it.
 BeltPiece belt_piece(const Study& study);
 
 class Discharge {

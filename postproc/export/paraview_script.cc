@@ -2,7 +2,8 @@
 
 namespace drumsweep {
 
-const char* const paraview_script = R"py(# Opens this export in ParaView: balls as spheres of their size, coloured by speed, walls from their inside.
+const char* const paraview_script =
+    R"py(# Opens this export in ParaView: balls as spheres of their size, coloured by speed, walls from their inside.
 #   paraview --script=open_in_paraview.py
 #   pvpython open_in_paraview.py PICTURE.png     without a window
 import os

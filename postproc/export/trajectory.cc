@@ -68,7 +68,8 @@ std::string vertices_name(std::size_t frame) { return fmt::format("vertices/{:05
 std::string document(const std::string& name, const std::string& grids) {
   return fmt::format(
       "<?xml version=\"1.0\" ?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n<Xdmf Version=\"2.0\">\n  <Domain>\n"
-      "    <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}    </Grid>\n  </Domain>\n</Xdmf>\n",
+      "    <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}    </Grid>\n  "
+      "</Domain>\n</Xdmf>\n",
       name, grids);
 }
 
@@ -152,11 +153,10 @@ std::string Trajectory::xmf(const std::string& h5_name) const {
         "      <Grid Name=\"balls\">\n        <Time Value=\"{:.9g}\"/>\n"
         "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n"
         "        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-        frames_[f].time_s, num,
-        rows(root + "position/value", {"", "", "Float", 4, 3}, f, num, num_frames, most));
+        frames_[f].time_s, num, rows(root + "position/value", {"", "", "Float", 4, 3}, f, num, num_frames, most));
     for (const Element& e : elements_of(kind_))
-      grids += fmt::format("        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", e.label,
-                           e.columns == 3 ? "Vector" : "Scalar",
+      grids += fmt::format("        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n",
+                           e.label, e.columns == 3 ? "Vector" : "Scalar",
                            rows(root + e.name + "/value", e, f, num, num_frames, most));
     grids += "      </Grid>\n";
   }
@@ -171,8 +171,8 @@ void WallTrajectory::add(double time_s, const TriangleMesh& mesh) {
   std::vector<float>& vertices = vertices_.emplace_back();
   for (const Eigen::Vector3d& v : mesh.vertices) append(vertices, v);
   if (triangles_.size() != 3 * mesh.triangles.size() || vertices.size() != vertices_.front().size())
-    throw std::logic_error(fmt::format("wall with {} triangles after one with {}", mesh.triangles.size(),
-                                       triangles_.size() / 3));
+    throw std::logic_error(
+        fmt::format("wall with {} triangles after one with {}", mesh.triangles.size(), triangles_.size() / 3));
 }
 
 std::string WallTrajectory::h5() const {
@@ -193,7 +193,8 @@ std::string WallTrajectory::xmf(const std::string& h5_name) const {
         "        <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">\n"
         "          <DataItem Dimensions=\"{} 3\" NumberType=\"UInt\" Precision=\"4\" Format=\"HDF\">{}:/triangles"
         "</DataItem>\n        </Topology>\n        <Geometry GeometryType=\"XYZ\">\n"
-        "          <DataItem Dimensions=\"{} 3\" NumberType=\"Float\" Precision=\"4\" Format=\"HDF\">{}:/{}</DataItem>\n"
+        "          <DataItem Dimensions=\"{} 3\" NumberType=\"Float\" Precision=\"4\" "
+        "Format=\"HDF\">{}:/{}</DataItem>\n"
         "        </Geometry>\n      </Grid>\n",
         times_[f], num_triangles, num_triangles, h5_name, num, h5_name, vertices_name(f));
   return document("wall", grids);
@@ -207,7 +208,8 @@ Balls landed_balls(const std::vector<Landing>& landings, double time_s, double b
     if (l.time > time_s) continue;
     balls.add({l.x + belt_speed * (time_s - l.time), l.y, height + static_cast<double>(l.radius)},
               static_cast<double>(l.radius), l.ball_id);
-    balls.velocity.back() = Eigen::Vector3d(static_cast<double>(l.vx), static_cast<double>(l.vy), static_cast<double>(l.vz));
+    balls.velocity.back() =
+        Eigen::Vector3d(static_cast<double>(l.vx), static_cast<double>(l.vy), static_cast<double>(l.vz));
     balls.exit.back() = l.exit;
     landed_s.push_back(static_cast<float>(l.time));
   }

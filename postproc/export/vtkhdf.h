@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/state/drum_state.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/state/drum_state.h"
 
 namespace drumsweep {
 

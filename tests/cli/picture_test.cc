@@ -22,7 +22,8 @@ bool is_there(const std::string& program) {
 const TestFolder& sweep_folder() {
   static const TestFolder folder;
   if (!std::filesystem::exists(folder / "out")) {
-    write_text(folder / "study.toml", replaced(tiny_study(1), "from = 0.02, to = 0.03, count = 2", "from = 0.03, to = 0.5, count = 2"));
+    write_text(folder / "study.toml",
+               replaced(tiny_study(1), "from = 0.02, to = 0.03, count = 2", "from = 0.03, to = 0.5, count = 2"));
     EXPECT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 4);  // 0.5 m is no possible slot
   }
   return folder;
@@ -46,7 +47,8 @@ TEST(PictureAndExport, wrong_input_is_refused_with_what_is_expected) {
   expect_refused({"export", "out", "--format", "ply", "-o", "e"}, "ply");
   expect_refused({"export", "tmp", "--format", "stl", "-o", "e"}, "tmp");
   for (const auto& entry : std::filesystem::directory_iterator(sweep_folder() / "out/designs"))
-    if (entry.path().extension() == ".h5") expect_refused({"picture", entry.path().string(), "-o", "p.png"}, "warm_state.h5");
+    if (entry.path().extension() == ".h5")
+      expect_refused({"picture", entry.path().string(), "-o", "p.png"}, "warm_state.h5");
   EXPECT_FALSE(std::filesystem::exists(sweep_folder() / "e"));
   EXPECT_FALSE(std::filesystem::exists(sweep_folder() / "p.png"));
   for (const char* command : {"picture", "export"}) {
@@ -81,7 +83,8 @@ TEST(PictureAndExport, a_scene_can_be_exported_but_not_continued) {
   const Finished good = drumsweep(folder, {"export", "out/drop.h5", "--format", "xdmf", "-o", "view"});
   ASSERT_EQ(good.code, 0) << good.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "view/wall.xmf"));
-  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--frames", "3"}, {"--lead", "1"}}) {
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--frames", "3"}, {"--lead", "1"}}) {
     std::vector<std::string> words = {"export", "out/drop.h5", "--format", "xdmf", "-o", "other"};
     words.insert(words.end(), more.begin(), more.end());
     EXPECT_EQ(drumsweep(folder, words).code, 2);
@@ -101,8 +104,8 @@ TEST(PictureAndExport, renders_a_picture_and_a_film_and_cleans_up_after_ctrl_c) 
   ASSERT_EQ(film.code, 0) << film.err;
   EXPECT_EQ(file_text(folder / "f.gif").substr(0, 3), "GIF");
 
-  Program stopped(folder, {DRUMSWEEP_BINARY, "picture", "out", "-o", "s.gif", "--animate", "--frames", "500",
-                           "--lead", "0", "--size", "200x160"});
+  Program stopped(folder, {DRUMSWEEP_BINARY, "picture", "out", "-o", "s.gif", "--animate", "--frames", "500", "--lead",
+                           "0", "--size", "200x160"});
   const auto scratch = [&] { return count_files(folder / "tmp", "") > 0; };
   ASSERT_TRUE(wait_until(scratch));
   stopped.signal(SIGINT);
@@ -112,7 +115,8 @@ TEST(PictureAndExport, renders_a_picture_and_a_film_and_cleans_up_after_ctrl_c) 
 }
 
 TEST(PictureAndExport, paraview_opens_what_was_exported) {
-  if (!is_there("pvpython")) GTEST_SKIP() << "pvpython is not installed; what other programs see is tested by reading back";
+  if (!is_there("pvpython"))
+    GTEST_SKIP() << "pvpython is not installed; what other programs see is tested by reading back";
   const TestFolder& folder = sweep_folder();
   ASSERT_EQ(drumsweep(folder, {"export", "out", "--format", "xdmf", "-o", "series", "--frames", "3", "--seconds", "0.2",
                                "--lead", "0.5"})
@@ -145,8 +149,8 @@ print('landings', landings.GetDataInformation().GetNumberOfPoints() > 10)
   ASSERT_EQ(look.wait(), 0) << look.err();
   EXPECT_EQ(look.err(), "");
   const std::string out = look.out();
-  for (const char* word : {"times 3", " 0.01\n", "diameter_m id slot speed_m_s spin_rad_s velocity_m_s", "walls 1 True",
-                           "landings True"})
+  for (const char* word :
+       {"times 3", " 0.01\n", "diameter_m id slot speed_m_s spin_rad_s velocity_m_s", "walls 1 True", "landings True"})
     EXPECT_NE(out.find(word), std::string::npos) << word << " is not in: " << out;
 }
 

@@ -72,7 +72,7 @@ TEST(Picture, the_frame_holds_the_drum_and_the_belt_and_its_axes_are_right_hande
   const PictureFrame frame = picture_frame(still, options);
   EXPECT_NEAR((frame.right.cross(frame.up) + frame.into).norm(), 0, 1e-12);
   EXPECT_GT(frame.up[2], 0);
-  EXPECT_EQ(frame.high, std::round(frame.high * 1e6) / 1e6) << "a round number";
+  EXPECT_NEAR(frame.high, 1.2, 1e-9);  // all but the fastest 2 % of up to 1.19 m/s, rounded up
   for (const Eigen::Vector3d& p : still.wall("belt")->mesh.vertices) {
     const Eigen::Vector3d from_centre = (p - frame.centre) / frame.metres_per_pixel;
     EXPECT_LT(std::abs(from_centre.dot(frame.right)), 0.5 * options.width);

@@ -81,8 +81,9 @@ TEST(Trajectory, the_xdmf_text_fits_its_hdf5_file) {
   trajectory.add(1.5, some_balls(3));
   const OpenImage image(trajectory.h5());
   const std::string xmf = trajectory.xmf("balls.h5");
-  const std::regex item("Dimensions=\"([0-9 ]+)\" NumberType=\"[A-Za-z]+\" Precision=\"[0-9]\" "
-                        "Format=\"HDF\">balls.h5:([^<]+)<");
+  const std::regex item(
+      "Dimensions=\"([0-9 ]+)\" NumberType=\"[A-Za-z]+\" Precision=\"[0-9]\" "
+      "Format=\"HDF\">balls.h5:([^<]+)<");
   std::size_t num = 0;
   for (std::sregex_iterator at(xmf.begin(), xmf.end(), item), end; at != end; ++at, ++num) {
     std::string shape;
@@ -111,7 +112,8 @@ TEST(Trajectory, walls_have_their_triangles_once_and_vertices_in_every_frame) {
 }
 
 TEST(Landings, ride_on_the_belt_from_their_moment_on) {
-  const std::vector<Landing> landings = {{1.0, 0.1, 0.2, 0, 0, -1, 0.005f, 3, 2}, {2.0, 0.1, 0.3, 0, 0, -1, 0.005f, 4, 255}};
+  const std::vector<Landing> landings = {{1.0, 0.1, 0.2, 0, 0, -1, 0.005f, 3, 2},
+                                         {2.0, 0.1, 0.3, 0, 0, -1, 0.005f, 4, 255}};
   std::vector<float> landed;
   EXPECT_EQ(landed_balls(landings, 0.5, 0.25, -0.3, landed).size(), 0u);
   const Balls balls = landed_balls(landings, 1.8, 0.25, -0.3, landed);
@@ -122,12 +124,14 @@ TEST(Landings, ride_on_the_belt_from_their_moment_on) {
 }
 
 TEST(Vtkhdf, has_what_version_1_0_asks_for) {
-  const OpenImage balls(vtkhdf_balls(some_balls(3)));
-  EXPECT_EQ(balls.shape("/VTKHDF/Points"), (Shape{3, 3}));
-  EXPECT_EQ(balls.values("/VTKHDF/Offsets"), (std::vector<double>{0, 1, 2, 3}));
-  EXPECT_EQ(balls.values("/VTKHDF/Types"), (std::vector<double>{1, 1, 1}));
-  EXPECT_EQ(balls.values("/VTKHDF/NumberOfPoints"), std::vector<double>{3});
-  EXPECT_EQ(balls.values("/VTKHDF/PointData/diameter_m")[0], 0.5);
+  {
+    const OpenImage balls(vtkhdf_balls(some_balls(3)));
+    EXPECT_EQ(balls.shape("/VTKHDF/Points"), (Shape{3, 3}));
+    EXPECT_EQ(balls.values("/VTKHDF/Offsets"), (std::vector<double>{0, 1, 2, 3}));
+    EXPECT_EQ(balls.values("/VTKHDF/Types"), (std::vector<double>{1, 1, 1}));
+    EXPECT_EQ(balls.values("/VTKHDF/NumberOfPoints"), std::vector<double>{3});
+    EXPECT_EQ(balls.values("/VTKHDF/PointData/diameter_m")[0], 0.5);
+  }
   const OpenImage mesh(vtkhdf_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {2, 1, 3}}, {}}));
   EXPECT_EQ(mesh.values("/VTKHDF/Connectivity"), (std::vector<double>{0, 1, 2, 2, 1, 3}));
   EXPECT_EQ(mesh.values("/VTKHDF/NumberOfCells"), std::vector<double>{2});
