@@ -19,7 +19,7 @@ namespace {
 struct Options {
   MomentOptions moment;
   PictureOptions picture;
-  std::string file, size, view;
+  std::string file, size, view, colour;
   bool animate = false;
 };
 
@@ -62,6 +62,7 @@ int picture(Options options) {
   set_size(!options.size.empty() ? options.size : options.animate ? "640x480" : "1400x900", options.picture);
   Moment moment = read_moment(options.moment);
   const bool of_drum_animated = options.animate && moment.drum;
+  options.picture.colour = !options.colour.empty() ? options.colour : moment.drum ? "speed" : "height";
   options.picture.view = !options.view.empty() ? options.view : of_drum_animated ? "outlet" : "all";
   const double lead = lead_of(options.moment, moment, options.animate);
   if (options.animate) return animate(options, moment, lead);
@@ -92,10 +93,10 @@ void add_picture(CLI::App& app, int& exit_code) {
   add_moment_options(*command, options->moment);
   command->add_option("-o,--output", options->file, "FILE.png; with --animate FILE.gif or FILE.mp4")->required();
   command
-      ->add_option("--colour", options->picture.colour,
-                   "of the balls: speed [m/s]; slot: the way out they took; axial: place along the axis [m]")
-      ->check(CLI::IsMember({"speed", "slot", "axial"}))
-      ->capture_default_str();
+      ->add_option("--colour", options->colour,
+                   "of the balls: speed [m/s]; height [m]; drums: slot (the way out they took), axial (place along the "
+                   "axis [m]) [default: speed; scenes: height]")
+      ->check(CLI::IsMember({"speed", "height", "slot", "axial"}));
   command->add_option("--view", options->view, "all, or the drum's outlet end [default: all; --animate: outlet]")
       ->check(CLI::IsMember({"all", "outlet"}));
   command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels [default: 1400x900; --animate: 640x480]");

@@ -36,7 +36,7 @@ void Animation::write(double pictures_per_second) {
   // One palette for all pictures and no dithering: still parts stay still, and the file small.
   const std::vector<std::string> as_gif = {
       "-vf",
-      "split[a][b];[a]palettegen=max_colors=96:stats_mode=full[p];[b][p]paletteuse=dither=none:diff_mode=rectangle",
+      "split[a][b];[a]palettegen=max_colors=64:stats_mode=full[p];[b][p]paletteuse=dither=none:diff_mode=rectangle",
       "-loop", "0", "film.gif"};
   // Players want even sizes and this pixel format.
   const std::vector<std::string> as_mp4 = {"-vf",       "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",

@@ -122,6 +122,11 @@ Layout layout(const PictureOptions& options) {
   return {font, 1.2 * font, 8.2 * font, 1.2 * font, 3.4 * font};
 }
 
+/// Glued to the ground of a scene; drawn like a wall.
+bool is_fixed(const Still& still, std::size_t ball) {
+  return still.balls.exit[ball] == static_cast<std::uint8_t>(Exit::fixed);
+}
+
 void choose_colours(const Still& still, const PictureOptions& options, PictureFrame& frame) {
   if (options.colour == "slot") {
     frame.classes = {"in the drum"};
@@ -130,10 +135,23 @@ void choose_colours(const Still& still, const PictureOptions& options, PictureFr
   } else if (options.colour == "axial") {
     frame.colour_label = "along the axis (m)";
     frame.high = (still.drum->end - still.drum->begin).norm();
+  } else if (options.colour == "height") {
+    frame.colour_label = "height (m)";
+    double low = 1e300, high = -1e300;
+    for (std::size_t i = 0; i < still.balls.size(); ++i) {
+      if (is_fixed(still, i)) continue;
+      low = std::min(low, still.balls.position[i][2]);
+      high = std::max(high, still.balls.position[i][2]);
+    }
+    if (low > high) low = high = 0;
+    const double step = round_down(std::max(1e-3, (high - low) / 4));
+    frame.low = step * std::floor(low / step);
+    frame.high = std::max(frame.low + step, step * std::ceil(high / step));
   } else {
     frame.colour_label = "speed (m/s)";
     std::vector<double> speeds;
-    for (const Vector3d& v : still.balls.velocity) speeds.push_back(v.norm());
+    for (std::size_t i = 0; i < still.balls.size(); ++i)
+      if (!is_fixed(still, i)) speeds.push_back(still.balls.velocity[i].norm());
     std::sort(speeds.begin(), speeds.end());
     // Nearly all balls; a few fast ones would leave the rest in the dark.
     const double most = speeds.empty() ? 1 : speeds[(speeds.size() - 1) * 98 / 100];
@@ -149,9 +167,11 @@ std::size_t texture_of(const Still& still, std::size_t ball, const PictureOption
     return exit == static_cast<std::uint8_t>(Exit::end) ? frame.classes.size() - 1
                                                         : std::min<std::size_t>(exit, frame.classes.size() - 2);
   }
-  const double value = options.colour == "axial"
-                           ? axis_of(*still.drum).dot(still.balls.position[ball] - still.drum->begin)
-                           : still.balls.velocity[ball].norm();
+  if (is_fixed(still, ball)) return num_shades;
+  const Vector3d& place = still.balls.position[ball];
+  const double value = options.colour == "axial"    ? axis_of(*still.drum).dot(place - still.drum->begin)
+                       : options.colour == "height" ? place[2]
+                                                    : still.balls.velocity[ball].norm();
   const double share = (value - frame.low) / (frame.high - frame.low);
   return static_cast<std::size_t>(std::clamp(share * num_shades, 0.0, num_shades - 1.0));
 }
@@ -312,10 +332,12 @@ std::string pov_walls(const Still& still, const PictureFrame& frame) {
 std::string pov_balls(const Still& still, const PictureOptions& options, const PictureFrame& frame, const Still& drawn,
                       const PictureFrame& drawn_frame) {
   std::string out;
-  const std::size_t num = options.colour == "slot" ? frame.classes.size() : num_shades;
+  const bool classes = !frame.classes.empty();
+  const std::size_t num = classes ? frame.classes.size() : num_shades + 1;
   for (std::size_t i = 0; i < num; ++i) {
-    const Vector3d c =
-        options.colour == "slot" ? class_colour(i, num) : shade((static_cast<double>(i) + 0.5) / num_shades);
+    const Vector3d c = classes           ? class_colour(i, num)
+                       : i == num_shades ? Vector3d(0.72, 0.72, 0.71)
+                                         : shade((static_cast<double>(i) + 0.5) / num_shades);
     out += fmt::format(
         "#declare T{} = texture {{ pigment {{ srgb {} }} finish {{ ambient 0.24 diffuse 0.72 specular 0.12 roughness "
         "0.03 }} }}\n",
@@ -364,8 +386,8 @@ PictureFrame in_picture_units(PictureFrame frame) {
 }  // namespace
 
 PictureFrame picture_frame(const Still& still, const PictureOptions& options) {
-  if (!still.drum && options.colour != "speed")
-    throw InputError(fmt::format("--colour {}: only a drum has that; accepted for the scene {} is speed",
+  if (!still.drum && (options.colour == "slot" || options.colour == "axial"))
+    throw InputError(fmt::format("--colour {}: only a drum has that; accepted for the scene {}: speed, height",
                                  options.colour, still.name));
   if (!still.drum && options.view != "all")
     throw InputError(

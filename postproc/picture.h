@@ -14,9 +14,10 @@ namespace drumsweep {
 
 struct PictureOptions {
   int width = 1400, height = 900;  ///< pixels
-  std::string colour = "speed";    ///< or, for drums, "slot": the way out that was taken; "axial": place along the axis
-  std::string view = "all";        ///< or, for drums, "outlet": that end with the belt under it
-  bool soft_shadows = true;        ///< false: a quarter of the time, for films
+  std::string colour =
+      "speed";  ///< or "height"; for drums "slot": the way out that was taken; "axial": place along the axis
+  std::string view = "all";  ///< or, for drums, "outlet": that end with the belt under it
+  bool soft_shadows = true;  ///< false: a quarter of the time, for films
 };
 
 /// What is the same in all pictures of an animation: camera and colours.

@@ -50,7 +50,7 @@ std::string complaint(const Still& still, const PictureOptions& options) {
 
 TEST(Picture, shows_all_balls_with_colour_bar_scale_bar_and_caption) {
   const Still still = loaded_drum();
-  for (const char* colour : {"speed", "axial", "slot"}) {
+  for (const char* colour : {"speed", "height", "axial", "slot"}) {
     PictureOptions options;
     options.colour = colour;
     const PictureFrame frame = picture_frame(still, options);
