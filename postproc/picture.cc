@@ -135,6 +135,7 @@ void choose_colours(const Still& still, const PictureOptions& options, PictureFr
   } else if (options.colour == "axial") {
     frame.colour_label = "along the axis (m)";
     frame.high = (still.drum->end - still.drum->begin).norm();
+    frame.tick = round_down(frame.high / 3);
   } else if (options.colour == "height") {
     frame.colour_label = "height (m)";
     double low = 1e300, high = -1e300;
@@ -144,9 +145,9 @@ void choose_colours(const Still& still, const PictureOptions& options, PictureFr
       high = std::max(high, still.balls.position[i][2]);
     }
     if (low > high) low = high = 0;
-    const double step = round_down(std::max(1e-3, (high - low) / 4));
-    frame.low = step * std::floor(low / step);
-    frame.high = std::max(frame.low + step, step * std::ceil(high / step));
+    const double step = frame.tick = round_down(std::max(1e-3, (high - low) / 3));
+    frame.low = step * std::floor(low / step + 0.1);  // overlaps sink a little below 0
+    frame.high = std::max(frame.low + step, step * std::ceil(high / step - 0.1));
   } else {
     frame.colour_label = "speed (m/s)";
     std::vector<double> speeds;
@@ -155,7 +156,7 @@ void choose_colours(const Still& still, const PictureOptions& options, PictureFr
     std::sort(speeds.begin(), speeds.end());
     // Nearly all balls; a few fast ones would leave the rest in the dark.
     const double most = speeds.empty() ? 1 : speeds[(speeds.size() - 1) * 98 / 100];
-    const double step = round_down(std::max(1e-3, most / 4));
+    const double step = frame.tick = round_down(std::max(1e-3, most / 3));
     frame.high = step * std::ceil(std::max(1e-3, most) / step - 1e-9);
   }
 }
@@ -229,8 +230,8 @@ void add_colour_bar(Overlay& over, const PictureOptions& options, const PictureF
     // Each reaches a little below the next, so that no light comes through between them.
     over.box(x, from, width, to - from + (i > 0 ? 1 : 0), shade((i + 0.5) / num_shades));
   }
-  const double range = frame.high - frame.low, step = round_down(range / 3);
-  for (double value = frame.low; value <= frame.high + 1e-9 * range; value += step) {
+  const double range = frame.high - frame.low;
+  for (double value = frame.low; value <= frame.high + 1e-9 * range; value += frame.tick) {
     const double y = top + height * (1 - (value - frame.low) / range);
     over.box(x + width, y - 0.5, 0.35 * page.font, 1.2, ink);
     // What is beyond the scale has the colour of its end.

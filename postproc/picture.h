@@ -27,6 +27,7 @@ struct PictureFrame {
   double metres_per_pixel = 0;
   double depth = 0;                  ///< all that is drawn is nearer than this to the centre, along `into` [m]
   double low = 0, high = 1;          ///< ends of the colour scale, in the unit of colour_label
+  double tick = 1;                   ///< from one number beside the scale to the next
   std::string colour_label;          ///< "speed (m/s)"; empty where colours are classes
   std::vector<std::string> classes;  ///< their names, the first for what has none: "in the drum", "slot 1" ...
 };
