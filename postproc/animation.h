@@ -17,7 +17,6 @@ class Animation {
 
   /// Camera and colours are those of the first picture.
   void add(const Still& still, const std::string& caption);
-  int num_pictures() const { return num_pictures_; }
   /// The file, whole or not at all. @throws WriteError, std::runtime_error
   void write(double pictures_per_second);
 

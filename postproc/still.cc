@@ -6,12 +6,6 @@
 
 namespace drumsweep {
 
-const Still::Wall* Still::wall(const std::string& wall_name) const {
-  for (const Wall& w : walls)
-    if (w.name == wall_name) return &w;
-  return nullptr;
-}
-
 Still still_of(const DrumModel& model, const DrumState& state, double belt_height) {
   const Study& study = model.study;
   Still still{study.name, time_of(model, state.num_steps), state.balls, {}, {}};
@@ -22,13 +16,9 @@ Still still_of(const DrumModel& model, const DrumState& state, double belt_heigh
   add_plate(belt, {begin, 0, belt_height}, {end - begin, 0, 0}, {0, study.belt.width_m, 0});
   still.walls.push_back({"belt", std::move(belt)});
   const Eigen::Vector3d axis = model.tilt.col(2);
-  const double radius = model.wall.outlet.radius;
-  still.drum = Still::Drum{pose.origin - axis * study.drum.length_m,
-                           pose.origin,
-                           pose.origin + axis * model.wall.outlet.length,
-                           radius,
-                           model.wall.outlet.num_slots,
-                           radius * study.drum.angular_velocity_rad_s};
+  still.drum =
+      Still::Drum{pose.origin - axis * study.drum.length_m, pose.origin, pose.origin + axis * model.wall.outlet.length,
+                  model.wall.outlet.radius, model.wall.outlet.num_slots};
   return still;
 }
 

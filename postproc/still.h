@@ -20,7 +20,6 @@ struct Still {
     Eigen::Vector3d begin, outlet, end;  ///< points on the axis [m]
     double radius = 0;                   ///< [m]
     int num_slots = 0;
-    double wall_speed = 0;  ///< [m/s]
   };
 
   std::string name;   ///< of the study or scene
@@ -28,8 +27,6 @@ struct Still {
   Balls balls;
   std::vector<Wall> walls;
   std::optional<Drum> drum;
-
-  const Wall* wall(const std::string& wall_name) const;
 };
 
 /// A drum with a bare belt, which has no balls where the state is one of a sweep.

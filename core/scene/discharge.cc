@@ -57,11 +57,6 @@ Discharge::Discharge(const Study& study, const OutletConfig& outlet, DrumState s
   model_.belt_height -= floor_below_belt;
 }
 
-double Discharge::filling_time() const {
-  const auto [begin, end] = belt_piece(model_.study);
-  return model_.study.belt.speed_m_s > 0 ? (end - begin) / model_.study.belt.speed_m_s : model_.seconds_per_turn();
-}
-
 bool Discharge::run_until(double until, const std::function<bool()>& go_on) {
   const double half = 0.5 * model_.study.solver.outer_step_s;
   while (time() < until - half) {

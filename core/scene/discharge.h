@@ -28,8 +28,6 @@ class Discharge {
   double time() const { return time_of(model_, state_.num_steps); }
   /// z of the belt [m]
   double belt_height() const { return belt_height_; }
-  /// Time in which a bed builds up on the whole piece of belt [s].
-  double filling_time() const;
 
   /// Steps until `time`, to the nearest step. @param go_on  called after every step; false stops there
   /// @return false when it was stopped

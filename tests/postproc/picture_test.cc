@@ -74,7 +74,7 @@ TEST(Picture, the_frame_holds_the_drum_and_the_belt_and_its_axes_are_right_hande
   EXPECT_GT(frame.up[2], 0);
   EXPECT_NEAR(frame.high / frame.tick, std::round(frame.high / frame.tick), 1e-9);
   EXPECT_NEAR(frame.high, 1.2, 1e-9);  // all but the fastest 2 % of up to 1.19 m/s, rounded up
-  for (const Eigen::Vector3d& p : still.wall("belt")->mesh.vertices) {
+  for (const Eigen::Vector3d& p : still.walls.back().mesh.vertices) {
     const Eigen::Vector3d from_centre = (p - frame.centre) / frame.metres_per_pixel;
     EXPECT_LT(std::abs(from_centre.dot(frame.right)), 0.5 * options.width);
     EXPECT_LT(std::abs(from_centre.dot(frame.up)), 0.5 * options.height);
