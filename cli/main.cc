@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   add_contour(app, exit_code);
   add_bench(app, exit_code);
   add_picture(app, exit_code);
+  add_export(app, exit_code);
   add_verify(app, exit_code);
   add_slurm(app, exit_code);
   add_doctor(app, exit_code);

@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -47,6 +49,14 @@ void run_program(const std::filesystem::path& folder, std::vector<std::string> c
   const std::string how = WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
                                               : fmt::format("failed with exit code {}", WEXITSTATUS(status));
   throw std::runtime_error(fmt::format("{} {}:\n{}", program, how, said));
+}
+
+void need_program(const std::string& program, const std::string& advice) {
+  const char* list = std::getenv("PATH");
+  std::istringstream folders(list != nullptr ? list : "/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (::access((folder + "/" + program).c_str(), X_OK) == 0) return;
+  throw std::runtime_error(fmt::format("{} is not there: {}", program, advice));
 }
 
 ScratchFolder::ScratchFolder() {

@@ -14,6 +14,12 @@ std::vector<double> flat(const std::vector<Eigen::Vector3d>& vectors) {
   return out;
 }
 
+std::vector<Eigen::Vector3d> vectors(const std::vector<double>& values) {
+  std::vector<Eigen::Vector3d> out(values.size() / 3);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  return out;
+}
+
 }  // namespace
 
 void write_h5md(Hdf5Writer& file, const Balls& balls, const MaterialConfig& material, std::int64_t num_steps,
@@ -34,7 +40,7 @@ void write_h5md(Hdf5Writer& file, const Balls& balls, const MaterialConfig& mate
   file.dataset(group + "position/time", time, 1, "s", "simulation time");
   const auto element = [&](const std::string& name, const auto& values, std::size_t columns, const char* unit,
                            const char* long_name) {
-    file.dataset(group + name + "/value", values, columns, unit, long_name, true);
+    file.dataset(group + name + "/value", values, columns, unit, long_name, 1);
     if (name == "position") return;
     for (const char* axis : {"/step", "/time"}) file.link(group + name + axis, group + "position" + axis);
   };
@@ -55,6 +61,17 @@ void write_h5md(Hdf5Writer& file, const Balls& balls, const MaterialConfig& mate
   const std::vector<std::string> boundary(3, "none");
   file.attribute("dimension", std::int64_t{3}, group + "box");
   file.attribute("boundary", boundary, group + "box");
+}
+
+Balls read_h5md(const Hdf5Reader& file) {
+  Balls balls;
+  balls.position = vectors(file.doubles("particles/balls/position/value"));
+  balls.velocity = vectors(file.doubles("particles/balls/velocity/value"));
+  balls.spin = vectors(file.doubles("particles/balls/spin/value"));
+  balls.radius = file.doubles("particles/balls/radius/value");
+  balls.id = file.uint32s("particles/balls/id/value");
+  balls.exit = file.uint8s("particles/balls/exit/value");
+  return balls;
 }
 
 }  // namespace drumsweep

@@ -16,4 +16,7 @@ namespace drumsweep {
 void write_h5md(Hdf5Writer& file, const Balls& balls, const MaterialConfig& material, std::int64_t num_steps,
                 double time_s);
 
+/// The balls that write_h5md() wrote.
+Balls read_h5md(const Hdf5Reader& file);
+
 }  // namespace drumsweep

@@ -185,10 +185,10 @@ Hdf5Writer::~Hdf5Writer() = default;
 
 template <class T>
 void Hdf5Writer::dataset(const std::string& name, const std::vector<T>& values, std::size_t columns,
-                         const std::string& unit, const std::string& long_name, bool frame) {
-  std::vector<hsize_t> shape = {values.size() / columns};
+                         const std::string& unit, const std::string& long_name, std::size_t frames) {
+  std::vector<hsize_t> shape = {values.size() / columns / std::max<std::size_t>(1, frames)};
   if (columns > 1) shape.push_back(columns);
-  if (frame) shape.insert(shape.begin(), 1);
+  if (frames > 0) shape.insert(shape.begin(), frames);
   const Handle data(new_dataset(impl_->file, name, type_of<T>(), shape), H5Dclose, "dataset " + name);
   if (!values.empty())
     check(H5Dwrite(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "dataset write");
@@ -196,15 +196,15 @@ void Hdf5Writer::dataset(const std::string& name, const std::vector<T>& values, 
   write_text(data, "long_name", long_name);
 }
 template void Hdf5Writer::dataset(const std::string&, const std::vector<double>&, std::size_t, const std::string&,
-                                  const std::string&, bool);
+                                  const std::string&, std::size_t);
 template void Hdf5Writer::dataset(const std::string&, const std::vector<float>&, std::size_t, const std::string&,
-                                  const std::string&, bool);
+                                  const std::string&, std::size_t);
 template void Hdf5Writer::dataset(const std::string&, const std::vector<std::uint32_t>&, std::size_t,
-                                  const std::string&, const std::string&, bool);
+                                  const std::string&, const std::string&, std::size_t);
 template void Hdf5Writer::dataset(const std::string&, const std::vector<std::uint8_t>&, std::size_t, const std::string&,
-                                  const std::string&, bool);
+                                  const std::string&, std::size_t);
 template void Hdf5Writer::dataset(const std::string&, const std::vector<std::int64_t>&, std::size_t, const std::string&,
-                                  const std::string&, bool);
+                                  const std::string&, std::size_t);
 
 void Hdf5Writer::texts(const std::string& name, const std::vector<std::string>& values, const std::string& long_name) {
   const PaddedTexts padded(values);
@@ -256,6 +256,8 @@ std::string Hdf5Writer::seal(const std::string& kind, int layout) {
   std::memcpy(bytes.data(), head.data(), head.size());
   return bytes;
 }
+
+std::string Hdf5Writer::plain() const { return impl_->memory.image(0); }
 
 /// A file, or a group in one that is seen as a file.
 struct Hdf5Reader::Impl {

@@ -40,10 +40,10 @@ class Hdf5Writer {
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
 
   /// Dataset (rows x columns; columns 1: one-dimensional) with its unit and meaning as attributes. Groups in `name` are
-  /// made. @param frame  with one more dimension of size 1 in front: one moment of a time series, as H5MD has it
+  /// made. @param frames  above 0: one more dimension of that size in front, moments of a time series as H5MD has them
   template <class T>  // double, float, std::uint32_t, std::uint8_t, std::int64_t
   void dataset(const std::string& name, const std::vector<T>& values, std::size_t columns, const std::string& unit,
-               const std::string& long_name, bool frame = false);
+               const std::string& long_name, std::size_t frames = 0);
   /// Text of fixed length, UTF-8.
   void texts(const std::string& name, const std::vector<std::string>& values, const std::string& long_name);
   /// A second name for an object that is there.
@@ -57,6 +57,8 @@ class Hdf5Writer {
 
   /// The whole file, sealed. @param kind  one word  @param layout  version of the layout of this kind
   std::string seal(const std::string& kind, int layout);
+  /// The whole file as it is, for other programs: nothing here reads it again.
+  std::string plain() const;
 
  private:
   struct Impl;

@@ -26,12 +26,6 @@ std::string study_text(Study study) {
   return write_study(study, false);
 }
 
-std::vector<Eigen::Vector3d> vectors(const std::vector<double>& values) {
-  std::vector<Eigen::Vector3d> out(values.size() / 3);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-  return out;
-}
-
 void write_counts(Hdf5Writer& file, const Counts& c) {
   file.attribute("fed", c.fed);
   file.attribute("landed", c.landed);
@@ -89,12 +83,7 @@ DrumState read_state(const Hdf5Reader& file) {
   s.num_steps = file.integer("num_steps");
   s.feed_debt_kg = file.real("feed_debt_kg");
   s.counts = read_counts(file);
-  s.balls.position = vectors(file.doubles("particles/balls/position/value"));
-  s.balls.velocity = vectors(file.doubles("particles/balls/velocity/value"));
-  s.balls.spin = vectors(file.doubles("particles/balls/spin/value"));
-  s.balls.radius = file.doubles("particles/balls/radius/value");
-  s.balls.id = file.uint32s("particles/balls/id/value");
-  s.balls.exit = file.uint8s("particles/balls/exit/value");
+  s.balls = read_h5md(file);
   const auto pair = file.uint32s("drumsweep/pairs/balls"), ball = file.uint32s("drumsweep/walls/ball");
   const auto p = file.floats("drumsweep/pairs/impulse"), d = file.floats("drumsweep/walls/direction"),
              w = file.floats("drumsweep/walls/impulse");
@@ -145,6 +134,17 @@ void write_identity(Hdf5Writer& file, const Study& study, const std::string& des
   file.attribute("design_id", design_id);
   file.attribute("design_keys", keys_of(design));
   file.dataset("design", values_of(design), 1, "in the keys", "values of design_keys");
+}
+
+Design design_of(const Hdf5Reader& file, const std::string& source) {
+  Design design;
+  std::istringstream keys(file.text("design_keys"));
+  std::string key;
+  for (const double value : file.doubles("design")) {
+    if (!std::getline(keys, key, ',')) throw StoreError(source + ": damaged: a value without a key");
+    design.emplace_back(key, value);
+  }
+  return design;
 }
 
 void refuse_other_design(const Hdf5Reader& file, const Study& study, const std::string& design_id, const Design& design,
@@ -352,16 +352,22 @@ StoredProgress unpack_progress(const std::string& bytes, const Study& study, con
   return stored;
 }
 
+DrumMoment unpack_drum_moment(const std::string& bytes, const std::string& source) {
+  if (verify_seal(bytes, source).kind != progress_kind) {
+    StoredDrum drum = unpack_drum(bytes, source);
+    const OutletConfig outlet = warmup_outlet(drum.study);
+    return {std::move(drum.study), outlet, std::move(drum.warm.state)};
+  }
+  const Hdf5Reader file(bytes, progress_kind, progress_layout, source);
+  refuse_other_version(file, source);
+  const Study study = study_of_design(parse_study(file.text("study"), source + ": study"), design_of(file, source));
+  return {study, study.outlet, read_state(file)};
+}
+
 std::string repack_recording(const Hdf5Reader& file, const std::string& source) {
   const Study study = parse_study(file.text("study"), source + ": study");
   const std::string id = file.text("design_id");
-  Design design;
-  std::istringstream keys(file.text("design_keys"));
-  std::string key;
-  for (const double value : file.doubles("design")) {
-    if (!std::getline(keys, key, ',')) throw StoreError(source + ": damaged: a value without a key");
-    design.emplace_back(key, value);
-  }
+  const Design design = design_of(file, source);
   return pack_recording(study, id, design, read_recording(file, study, id, design, source));
 }
 

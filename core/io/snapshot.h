@@ -30,6 +30,15 @@ struct StoredDrum {
 /// @throws StoreError, MismatchError (of another version)
 StoredDrum unpack_drum(const std::string& bytes, const std::string& source);
 
+/// A stored drum at one moment with the outlet that it had then: a warm state, or a design's progress.
+struct DrumMoment {
+  Study study;  ///< of a design's progress with the design's values
+  OutletConfig outlet;
+  DrumState state;
+};
+/// @throws StoreError, MismatchError (of another version)
+DrumMoment unpack_drum_moment(const std::string& bytes, const std::string& source);
+
 /// Recording of one design.
 std::string pack_recording(const Study& study, const std::string& design_id, const Design& design,
                            const Recording& recording);

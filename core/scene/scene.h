@@ -34,6 +34,7 @@ struct SceneResult {
   std::vector<Observable> observables;
   std::vector<Series> series;
   BallState state;                       ///< at the end
+  std::vector<TriangleMesh> walls;       ///< those that are there at the end, in the room, without their borders
   StepReport quality;                    ///< means over all steps (ReportMean)
   std::int64_t num_balls = 0, lost = 0;  ///< put in; found where none can be
   double simulated_s = 0, cpu_s = 0;

@@ -94,6 +94,8 @@ Eigen::Vector3d SceneRun::wall_force(std::size_t w) const {
 SceneResult SceneRun::finish() {
   SceneResult out;
   out.simulated_s = time();
+  for (const Wall& wall : world.walls)
+    if (time() < wall.removed_at) out.walls.push_back(placed(wall.mesh, wall.motion.pose(time())));
   out.state = std::move(state);
   out.quality = quality_.mean();
   out.num_balls = num_added_;

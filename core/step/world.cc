@@ -91,6 +91,13 @@ double World::inverse_mass(double radius) const {
 
 double World::radius_of(std::uint32_t id) const { return radius_of_ball(physics, id); }
 
+TriangleMesh placed(const TriangleMesh& mesh, const Pose& pose) {
+  TriangleMesh out{{}, mesh.triangles, {}};
+  out.vertices.reserve(mesh.vertices.size());
+  for (const Eigen::Vector3d& v : mesh.vertices) out.vertices.push_back(pose.origin + pose.rotation * v);
+  return out;
+}
+
 double time_of(const World& world, std::int64_t num_steps) {
   return static_cast<double>(num_steps) * world.physics.solver.outer_step_s;
 }

@@ -96,6 +96,9 @@ struct World {
   double typical_speed_;
 };
 
+/// The mesh in the room, without its borders.
+TriangleMesh placed(const TriangleMesh& mesh, const Pose& pose);
+
 /// Simulation time of a state: a product, not a sum, so it does not drift and needs no storage.
 double time_of(const World& world, std::int64_t num_steps);
 
