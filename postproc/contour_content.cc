@@ -52,7 +52,7 @@ class Gatherer {
   ContourContent content() {
     for (const ResultRow& row : table_.rows)
       if (options_.stage.empty() || row.stage == options_.stage) add(row);
-    if (content_.stages.empty() && !(content_.elsewhere.size() > 0 && options_.fit && options_.fit->usable))
+    if (content_.low_mm > content_.high_mm && (content_.elsewhere.empty() || usable_fit() == nullptr))
       throw InputError("contour: no design has a value yet, there is nothing to draw");
     order_stages();
     unit_ = {content_.low, content_.high};

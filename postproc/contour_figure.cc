@@ -179,8 +179,10 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
         held += (held.empty() ? "" : ", ") + value_text(table.variable_names[v], axes.fixed[v]);
     std::size_t here = content.failed.size();
     for (const ContourStage& stage : content.stages) here += stage.designs.size();
-    notes.push_back(
-        fmt::format("slice at {}: {} of {} designs lie in it", held, here, here + content.elsewhere.size()));
+    const bool projected = fit != nullptr && fit->optimum && axes.plane;
+    notes.push_back(fmt::format("slice at {}: {} of {} designs lie in it{}", held, here,
+                                here + content.elsewhere.size(),
+                                projected ? "; the optimum and its region are projected" : ""));
   }
   if (options.fit && fit == nullptr) {
     notes.push_back(fmt::format("no fit is drawn, as none is to be trusted: {}", options.fit->verdict));
@@ -356,14 +358,14 @@ void draw_stages(Script& script, std::string& data, const ContourContent& conten
 void draw_region(Script& script, std::string& data, const ContourContent& content, const ContourFit& fit,
                  const ResultTable& table, const ContourAxes& axes) {
   if (!fit.optimum) return;
+  const std::string region_line = fmt::format("lines lw 2 dt (12,6) lc rgb '{}'", on_map);
   if (content.region.size() > 1) {
     std::vector<PlanePoint> closed = content.region;
     closed.push_back(closed.front());
     begin_block(data, "region");
     add_lines(data, {closed});
     script.draw("region", "using 1:2 with lines lw 4.5 lc rgb 'white'");
-    script.draw("region", fmt::format("using 1:2 with lines lw 2 dt (12,6) lc rgb '{}'", on_map),
-                content.elsewhere.empty() ? "95 % region of the optimum" : "95 % region of the optimum, projected");
+    script.draw("region", fmt::format("using 1:2 with {}", region_line));
   }
   const auto coordinate = [&](std::size_t variable) {
     const auto& names = fit.optimum->variables;
@@ -376,7 +378,8 @@ void draw_region(Script& script, std::string& data, const ContourContent& conten
   data += fmt::format("{:.9g} {:.9g}\n", x, y);
   script.draw("optimum", "using 1:2 with points pt 3 ps 2.2 lw 5.5 lc rgb 'white'");
   script.draw("optimum", fmt::format("using 1:2 with points pt 3 ps 2 lw 2.4 lc rgb '{}'", on_map),
-              content.elsewhere.empty() ? "optimum of the fit" : "optimum of the fit, projected");
+              "optimum of the fit");
+  if (content.region.size() > 1) script.key(fmt::format("with {}", region_line), "its 95 % region");
 }
 
 FigureFiles map_figure(const ResultTable& table, const ContourOptions& options, const ContourAxes& axes,
@@ -419,10 +422,10 @@ void draw_fit_curve(Script& script, std::string& data, const ContourContent& con
       data += fmt::format("{:.9g} {:.6g} {:.6g} {:.6g}\n", p.x, p.f_mm, std::max(0.0, p.f_mm - 1.96 * p.sigma_mm),
                           p.f_mm + 1.96 * p.sigma_mm);
   }
-  script.draw("fit", "using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#8bb2c1'",
-              "95 % of the mean over all random numbers");
+  script.draw("fit", "using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#8bb2c1'", "its 95 % band");
   script.draw("fit", "using 1:2 with lines lw 2.2 lc rgb '#31688e'", "fit");
-  if (!fit.optimum || content.region.empty()) return;
+  // Of a slice it would lie on another curve.
+  if (!fit.optimum || content.region.empty() || !content.elsewhere.empty()) return;
   const auto& names = fit.optimum->variables;
   const auto found = std::find(names.begin(), names.end(), variable);
   if (found == names.end()) return;
@@ -434,8 +437,7 @@ void draw_fit_curve(Script& script, std::string& data, const ContourContent& con
   }
   begin_block(data, "optimum");
   data += fmt::format("{:.9g} {:.6g} {:.9g} {:.9g}\n", at, 1e3 * fit.optimum->f_m, low, high);
-  script.draw("optimum", "using 1:2:3:4 with xerrorbars pt 3 ps 2 lw 2.4 lc rgb 'black'",
-              "optimum of the fit, 95 % range");
+  script.draw("optimum", "using 1:2:3:4 with xerrorbars pt 3 ps 2 lw 2.4 lc rgb 'black'", "optimum, 95 % range");
 }
 
 FigureFiles curve_figure(const ResultTable& table, const ContourOptions& options, const ContourAxes& axes,

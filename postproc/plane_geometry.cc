@@ -121,9 +121,9 @@ Polygon nearest_region(std::span<const Site> sites, std::size_t i, const Polygon
     const Site& other = sites[k];
     const double dx = other.at.x - own.at.x, dy = other.at.y - own.at.y;
     // |r - own|^2 + own's distance^2 <= |r - other|^2 + other's distance^2
-    const double bound = 0.5 * (other.at.x * other.at.x + other.at.y * other.at.y + other.off_plane_squared -
-                                own.at.x * own.at.x - own.at.y * own.at.y - own.off_plane_squared);
-    if (dx == 0 && dy == 0 && bound >= 0) continue;
+    // As a product, so that it is exactly 0 for a site at the same place.
+    const double bound = 0.5 * (dx * (other.at.x + own.at.x) + dy * (other.at.y + own.at.y) + other.off_plane_squared -
+                                own.off_plane_squared);
     region = clipped(region, dx, dy, bound);
   }
   return region;
