@@ -16,7 +16,7 @@ namespace {
 
 // Layout [pixels].
 constexpr double width = 660, left = 88, plot_width = 430, graph_height = 190, title_height = 54, line_height = 21;
-constexpr double panel_head = 32, key_height = 26, tics_height = 26, label_height = 24, foot = 14;
+constexpr double panel_head = 36, key_height = 34, tics_height = 26, label_height = 34, foot = 14;
 
 /// How the balls of an exit look: dark, middle, light and in shapes of their own, so that they differ without colour.
 struct Mark {
@@ -58,15 +58,16 @@ double shown_turns(const DesignSample& sample) {
 }
 
 /// y_1 and y_2 of S1.
-std::string footprint_marks(const DesignSample& sample) {
+/// @param colour  dark on coloured ground, the page's ink elsewhere
+std::string footprint_marks(const DesignSample& sample, const char* colour) {
   std::string text;
   int tag = 10;
   for (const double y : {sample.footprint_begin_m, sample.footprint_end_m})
     if (y > 0 && y < sample.belt_width_m)
       text += fmt::format(
-          "set arrow {} from {:.9g},graph 0 to {:.9g},graph 1 nohead lw 1.2 dt (10,7) lc rgb '#505050' "
+          "set arrow {} from {:.9g},graph 0 to {:.9g},graph 1 nohead lw 1.2 dt (10,7) lc rgb '{}' "
           "front\n",
-          tag++, y, y);
+          tag++, y, y, colour);
   return text;
 }
 
@@ -119,9 +120,15 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
                                   every > 1 ? fmt::format("; one of {} is drawn", every) : ""),
                       30);
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, length, 6);
-  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample);
+  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050");
+  // Coloured marks keep a light ground of their own, the key's too.
   if (look.page)
-    text += "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '#f6f6f3' fs solid noborder\n";
+    text += fmt::format(
+        "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '{0}' fs solid noborder\n"
+        "set object 2 rectangle from screen {1:.5f},{2:.5f} to screen {3:.5f},{4:.5f} behind fc rgb '{0}' "
+        "fs solid noborder\n",
+        "#f6f6f3", left / width, 1 - (panel.top + panel.height + tics_height + key_height) / panel.canvas,
+        (left + plot_width) / width, 1 - (panel.top + panel.height + tics_height + 10) / panel.canvas);
   // y_1 and y_2 by name; each stripe with the number of its slot in the margin.
   int tag = 20;
   for (const auto& [name, y] : {std::pair{"y₁", sample.footprint_begin_m}, {"y₂", sample.footprint_end_m}})
@@ -142,11 +149,11 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
     const bool end = k + 1 == counts.size();
     // The key, four in a row.
     const double column = 0.02 + 0.255 * static_cast<double>(k % 4), row = std::floor(static_cast<double>(k) / 4);
-    text += fmt::format("set label {} '{} {:.0f} %' at screen {:.5f},{:.5f} left point {} offset 1,0\n", tag++,
+    text += fmt::format("set label {} '{} {:.0f} %' at screen {:.5f},{:.5f} left point {} offset 1,0{}\n", tag++,
                         end ? "end" : fmt::format("slot {}", k + 1), 100 * static_cast<double>(counts[k]) / all,
                         (left + column * plot_width) / width,
-                        1 - (panel.top + panel.height + tics_height + 14 + 18 * row) / panel.canvas,
-                        look_of(k, sample, 1.0));
+                        1 - (panel.top + panel.height + tics_height + 22 + 18 * row) / panel.canvas,
+                        look_of(k, sample, 1.0), look.page ? " tc rgb '#101010'" : "");
     // An exit that no ball took has no points, of which gnuplot would complain.
     if (counts[k] > 0)
       plot += fmt::format("{}'landings.csv' skip 1 every {} using ($4=={}?$3:NaN):2 with points {} notitle",
@@ -160,7 +167,7 @@ std::string surface_panel(const DesignSample& sample, const Panel& panel) {
   const double turns = shown_turns(sample);
   std::string text = panel.margins() + panel.title("(b) bed on the belt, toppled to its friction angle");
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, sample.strip_length_m * turns / sample.turns, 6);
-  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample) + pale_viridis;
+  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050") + pale_viridis;
   const std::vector<double>& heights = sample.evaluation.bed.height_m;
   const double highest = 1e3 * *std::max_element(heights.begin(), heights.end());
   text += fmt::format("set cbrange [0:{:.6g}]\nset cblabel 'height (mm)'\n", highest > 0 ? highest : 1.0);
@@ -195,21 +202,21 @@ std::string profile_panel(const DesignSample& sample, const Panel& panel) {
       sample.footprint_counts ? std::min(sample.belt_width_m, sample.footprint_end_m) : sample.belt_width_m;
   std::string text = panel.margins() + panel.title("(c) height averaged over the turns, ± 1 sigma");
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, top, 5);
-  text += "set ylabel 'height (mm)'\nset xlabel 'across the belt (m)'\n" + footprint_marks(sample);
+  text += "set ylabel 'height (mm)'\nset xlabel 'across the belt (m)'\n" + footprint_marks(sample, "black");
   // The window that counts, and what an even bed would be in it.
   text += fmt::format(
       "set arrow 20 from {0:.9g},graph 0.88 to {1:.9g},graph 0.88 heads size screen 0.008,90 lw 1.6 lc rgb "
       "'black'\nset label 20 'window of f' at {2:.9g},graph 0.88 center offset 0,0.6\n",
       from, to, 0.5 * (from + to));
   text += fmt::format(
-      "set arrow 21 from {0:.9g},{2:.6g} to {1:.9g},{2:.6g} nohead lw 1.6 dt (4,5) lc rgb 'black'\n"
+      "set arrow 21 from {0:.9g},{2:.6g} to {1:.9g},{2:.6g} nohead lw 1.4 dt (8,6) lc rgb 'black'\n"
       "set label 21 'even bed' at graph 1.02,first {2:.6g} left\n",
       from, to, mean);
   return text +
          "plot 'profile.csv' skip 1 using 1:(1e3*($2-$3)):(1e3*($2+$3)) with filledcurves fs solid 0.45 noborder lc "
          "rgb "
          "'#8bb2c1' notitle, \\\n     'profile.csv' skip 1 using 1:(1e3*$2) with linespoints pt 7 ps 0.35 lw 2 lc rgb "
-         "'#31688e' notitle\nunset label\nunset arrow\n";
+         "'#3f87b5' notitle\nunset label\nunset arrow\n";
 }
 
 std::string spectrum_panel(const DesignSample& sample, const Panel& panel) {
@@ -226,7 +233,7 @@ std::string spectrum_panel(const DesignSample& sample, const Panel& panel) {
       "set label 20 'a₀/10' at graph 1.02,first 0.1 left\n",
       0.5, last);
   return text +
-         "plot 'spectrum.csv' skip 2 using 1:4 with impulses lw 5 lc rgb '#31688e' notitle\nunset label\nunset arrow\n";
+         "plot 'spectrum.csv' skip 2 using 1:4 with impulses lw 5 lc rgb '#3f87b5' notitle\nunset label\nunset arrow\n";
 }
 
 std::string csv_of_landings(const DesignSample& sample) {

@@ -44,8 +44,7 @@ ContourFit flat_fit() {
   fit.x = fit.y = {-1.0, 2.0};
   fit.value_m.assign(4, 0.007);
   fit.optimum = {{"x", "y"}, {0.5, 0.5}, {0.4, 0.3}, {0.6, 0.7}, 0.007, 0.001, {}};
-  for (int i = 0; i < 200; ++i)
-    fit.optimum->draws.push_back({0.5 + 0.1 * std::cos(i), 0.5 + 0.2 * std::sin(i)});
+  for (int i = 0; i < 200; ++i) fit.optimum->draws.push_back({0.5 + 0.1 * std::cos(i), 0.5 + 0.2 * std::sin(i)});
   return fit;
 }
 

@@ -7,10 +7,11 @@ namespace {
 
 TEST(ForPage, takes_the_pages_ink_and_its_own_ids_and_keeps_marks_on_coloured_ground) {
   const std::string svg =
-      "<?xml version=\"1.0\"?>\n<svg \n width=\"400\" height=\"300\"\n viewBox=\"0 0 400 300\">\n<title>Gnuplot</title>\n"
+      "<?xml version=\"1.0\"?>\n<svg \n width=\"400\" height=\"300\"\n viewBox=\"0 0 400 "
+      "300\">\n<title>Gnuplot</title>\n"
       "<path id='gpPt0'/><use xlink:href='#gpPt0' id='gpPt6' color='rgb( 16,  16,  16)'/>\n"
       "<g color=\"black\" stroke=\"currentColor\"><path stroke='rgb(  0,   0,   0)'/>\n"
-      "<text fill=\"rgb(0,0,0)\" font-family=\"DejaVu Sans\">f</text></g></svg>\n";
+      "<text fill=\"rgb(0,0,0)\" font-family=\"DejaVu Sans, sans-serif\">f</text></g></svg>\n";
   const std::string page = for_page(svg, {"fig7-", "a \"map\" & more"});
   EXPECT_TRUE(page.starts_with("<svg ")) << page;
   EXPECT_EQ(page.find("black"), std::string::npos);

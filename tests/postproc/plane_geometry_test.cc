@@ -35,8 +35,8 @@ TEST(ConvexHull, holds_all_points_and_its_corners_are_points) {
   const Polygon hull = convex_hull(points);
   for (const PlanePoint& p : points) EXPECT_TRUE(inside(hull, p));
   for (const PlanePoint& corner : hull)
-    EXPECT_TRUE(std::any_of(points.begin(), points.end(),
-                            [&](PlanePoint p) { return p.x == corner.x && p.y == corner.y; }));
+    EXPECT_TRUE(
+        std::any_of(points.begin(), points.end(), [&](PlanePoint p) { return p.x == corner.x && p.y == corner.y; }));
   EXPECT_FALSE(inside(hull, {1.5, 0.5}));
 }
 
@@ -57,7 +57,7 @@ TEST(Clipped, keeps_the_side_that_is_asked_for) {
 }
 
 TEST(NearestRegion, cells_of_all_sites_tile_the_square_and_each_point_lies_in_that_of_its_nearest_site) {
-  std::vector<Site> sites;
+  std::vector<PlaneSite> sites;
   for (const PlanePoint& p : random_points(30, 2)) sites.push_back({p, 0.0});
   // Some lie off the plane; one so far that it has no part in it.
   sites[3].off_plane_squared = 0.01;
@@ -75,7 +75,7 @@ TEST(NearestRegion, cells_of_all_sites_tile_the_square_and_each_point_lies_in_th
 
 TEST(NearestRegion, of_a_node_of_a_grid_is_half_way_to_its_neighbours_whatever_the_rounding) {
   // Coordinates whose squares round.
-  std::vector<Site> sites;
+  std::vector<PlaneSite> sites;
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) sites.push_back({{i * 0.2, j * 0.2}, 0.0});
   for (std::size_t i = 0; i < sites.size(); ++i) {
