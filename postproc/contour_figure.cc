@@ -195,11 +195,7 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
   if (options.fit && fit == nullptr) {
     notes.push_back(fmt::format("no fit is drawn, as none is to be trusted: {}", options.fit->verdict));
   } else if (fit != nullptr && content.fit_is_drawn && fit->num_fitted < fit->num_designs) {
-    notes.push_back(
-        fmt::format("the fit is of the {} of {} designs with the lowest f and drawn where these are the "
-                    "nearest{}",
-                    fit->num_fitted, fit->num_designs,
-                    content.interpolation_is_drawn ? "; elsewhere: linear between neighbours" : ""));
+    notes.push_back(fmt::format("the fit is of {} of {} designs, spread evenly", fit->num_fitted, fit->num_designs));
   }
   const double tolerance_mm = 1e3 * options.tolerance_m;
   if (content.low_mm > tolerance_mm)
@@ -228,7 +224,9 @@ void draw_designs_that_matter(Script& script, std::string& data, const ContourCo
   if (!failed.empty()) {
     begin_block(data, "failed");
     data += failed;
-    script.draw("failed", "using 1:2 with points pt 2 ps 1.2 lw 2.2 lc rgb 'black'",
+    const bool many = content.failed.size() > 40;
+    script.draw("failed",
+                fmt::format("using 1:2 with points pt 2 {} lc rgb 'black'", many ? "ps 0.5 lw 1.2" : "ps 1.2 lw 2.2"),
                 fmt::format("no result, hatched ({})", content.failed.size()));
   }
   if (content.best) {
