@@ -135,6 +135,8 @@ StudyFit fit_of_study(const Study& study, const Plan& plan, const ResultTable& t
   std::unordered_map<std::string, ResultRow> rows;
   for (ResultRow row : table.rows) {
     if (value == "f_footprint_m") {
+      // Nothing landed under the outlet: even, but no bed.
+      if (row.f_footprint_m == 0) row.state = "untrusted";
       row.f_m = row.f_footprint_m;
       row.sigma_f_m = row.sigma_f_footprint_m;
     }

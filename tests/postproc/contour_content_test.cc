@@ -147,6 +147,17 @@ TEST(ContourContent, a_corner_of_failed_designs_is_hatched_without_a_gap) {
   EXPECT_NEAR(hatched * 0.014, 0.625 * 0.375, 0.015);
 }
 
+TEST(ContourContent, a_design_without_a_ball_under_the_outlet_is_not_the_best_one) {
+  ResultTable table = plane_table();
+  for (ResultRow& row : table.rows) row.f_footprint_m = 0.5 * row.f_m;
+  table.rows[7].f_footprint_m = 0.0;
+  ContourOptions options;
+  options.value = "f_footprint_m";
+  const ContourContent content = content_of(table, options);
+  ASSERT_TRUE(content.best);
+  EXPECT_NEAR(content.best->f_mm, 5.0, 1e-9);
+}
+
 TEST(ContourContent, the_region_of_the_optimum_holds_its_draws_in_the_plane) {
   ContourOptions options;
   options.fit = flat_fit();
