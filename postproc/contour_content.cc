@@ -101,7 +101,12 @@ class Gatherer {
 
   /// Coarse stages first; scattered designs (a refinement) have no map and go on top of everything.
   void order_stages() {
-    for (ContourStage& stage : content_.stages) stage.surface = grid_surface(samples_[stage.name]);
+    for (ContourStage& stage : content_.stages) {
+      stage.surface = grid_surface(samples_[stage.name]);
+      // Steps of a search share a coordinate here and there; that makes no grid of them.
+      const std::size_t nodes = stage.surface.x.size() * stage.surface.y.size();
+      if (2 * samples_[stage.name].size() < nodes) stage.surface = {};
+    }
     std::erase_if(content_.stages, [](const ContourStage& stage) { return stage.designs.empty(); });
     std::stable_sort(content_.stages.begin(), content_.stages.end(), [](const ContourStage& a, const ContourStage& b) {
       const auto key = [](const ContourStage& stage) {
