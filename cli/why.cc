@@ -76,7 +76,11 @@ void add_why(CLI::App& app, int&) {
   CLI::App* command = app.add_subcommand("why", "What became of one design, and why.");
   command->add_option("OUT", options->folder, "output folder of a run")->required();
   command->add_option("ID", options->id, "design id, as in results.csv, or an unambiguous beginning of it");
-  command->add_option("--at", options->at, "the design's values instead of its id, in the order of the table's columns")
+  command
+      ->add_option(
+          "--at", options->at,
+          "the design's values instead of its id, in the order of the table's columns; replicate and turns may "
+          "be left out")
       ->delimiter(',');
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(

@@ -41,6 +41,11 @@ BedGrid bed_grid(const BeltConfig& belt, const ObjectiveConfig& objective, doubl
   return grid;
 }
 
+double place_on_strip(const Landing& landing, double t_begin, const BeltConfig& belt, double strip_m) {
+  const double place = std::fmod(landing.x - belt.speed_m_s * (landing.time - t_begin), strip_m);
+  return place < 0.0 ? place + strip_m : place;
+}
+
 Bed build_bed(std::span<const Landing> landings, double t_begin, double duration_s, const BeltConfig& belt,
               const ObjectiveConfig& objective, const BedGrid& grid) {
   Bed bed;
@@ -62,9 +67,8 @@ Bed build_bed(std::span<const Landing> landings, double t_begin, double duration
       continue;
     }
 
-    // Along: where the belt was struck, in its own frame. Rounding may put the wrapped place on the strip's end.
-    double place = std::fmod(landing.x - belt.speed_m_s * (landing.time - t_begin), strip);
-    if (place < 0.0) place += strip;
+    // Rounding may put the wrapped place on the strip's end.
+    const double place = place_on_strip(landing, t_begin, belt, strip);
     const int along = std::min(grid.num_along - 1, static_cast<int>(place / grid.cell_along_m));
 
     // Across: clamp before the conversion, so that a ball far outside cannot overflow.

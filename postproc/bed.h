@@ -38,7 +38,10 @@ struct Bed {
 BedGrid bed_grid(const BeltConfig& belt, const ObjectiveConfig& objective, double ball_diameter_m, double duration_s,
                  std::int64_t num_blocks);
 
-/// Puts the landings with t in [t_begin, t_begin + duration) on the belt: X = x - v (t - t_begin), wrapped; each ball
+/// Where the belt was struck along the strip, in its own frame: x - v (t - t_begin), wrapped into [0, strip].
+double place_on_strip(const Landing& landing, double t_begin, const BeltConfig& belt, double strip_m);
+
+/// Puts the landings with t in [t_begin, t_begin + duration) on the belt, see place_on_strip(); each ball
 /// raises its cell by V_ball / (packing * cell area). Edge "skirt" keeps what lands past an edge in the edge cell,
 /// "open" counts it as spilled. Heights are summed in the order given: pass landings in canonical order.
 /// @throws std::invalid_argument naming the ball when a landing is not finite.

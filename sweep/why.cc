@@ -3,54 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <filesystem>
 
 #include "core/config/schema.h"
+#include "sweep/find_design.h"
 #include "sweep/status.h"
 #include "sweep/store/recordings.h"
 #include "sweep/store/results_image.h"
 
 namespace drumsweep {
 namespace {
-
-const PlannedDesign& design_with_id(const Plan& plan, const std::string& which, const std::string& folder) {
-  std::vector<const PlannedDesign*> found;
-  for (const PlannedDesign& design : plan.designs)
-    if (design.id.starts_with(which)) found.push_back(&design);
-  if (found.empty())
-    throw InputError(
-        fmt::format("{}: no design of {} has an id that begins so; results.csv lists the ids", which, folder));
-  if (found.size() == 1) return *found.front();
-  std::string list;
-  for (std::size_t i = 0; i < std::min<std::size_t>(5, found.size()); ++i) list += " " + found[i]->id;
-  throw InputError(
-      fmt::format("{}: is the beginning of {} ids:{}{}", which, found.size(), list, found.size() > 5 ? " ..." : ""));
-}
-
-const PlannedDesign& design_with_values(const Plan& plan, const std::vector<double>& at) {
-  if (at.size() != plan.columns.size())
-    throw InputError(fmt::format("--at: {} values given, {} needed: {}", at.size(), plan.columns.size(),
-                                 fmt::join(plan.columns, ", ")));
-  const auto distance = [&](const PlannedDesign& design) {
-    double sum = 0;
-    for (std::size_t i = 0; i < at.size(); ++i)
-      if (!std::isnan(design.row[i]))
-        sum += std::abs(design.row[i] - at[i]) / std::max(1e-12, std::abs(design.row[i]) + std::abs(at[i]));
-    return sum;
-  };
-  const PlannedDesign* nearest = nullptr;
-  for (const PlannedDesign& design : plan.designs) {
-    bool same = true;
-    for (std::size_t i = 0; i < at.size(); ++i) same = same && design.row[i] == rounded(at[i]);
-    if (same) return design;
-    if (nearest == nullptr || distance(design) < distance(*nearest)) nearest = &design;
-  }
-  throw InputError(fmt::format(
-      "--at {}: the study has no such design{}", fmt::join(at, ","),
-      nearest == nullptr ? "" : fmt::format("; the nearest is {} ({})", nearest->id, describe(plan, *nearest))));
-}
 
 std::vector<DesignStory::Attempt> attempts_of(const std::string& id, const std::vector<ProvenanceLine>& lines) {
   std::vector<DesignStory::Attempt> attempts;
@@ -117,7 +80,7 @@ DesignStory story_of(const std::string& folder, const std::string& which, const 
   const Study study = read_frozen_study(folder);
   const Plan plan = plan_of_folder(paths, study);
   DesignStory story;
-  story.design = at.empty() ? design_with_id(plan, which, folder) : design_with_values(plan, at);
+  story.design = at.empty() ? design_with_id(plan, which) : design_with_values(plan, study, at);
   story.columns = plan.columns;
   const std::string& id = story.design.id;
   RecordingIndex recordings(paths);

@@ -84,7 +84,7 @@ TEST(ContourAxes, more_than_two_that_vary_are_named) {
     row.variables = {0.75 + 0.1 * (k / 2), 0.1 * k, 0.04 + 0.01 * k};
     table.rows.push_back(row);
   }
-  EXPECT_NE(complaint([&] { contour_axes(table, {}); }).find("length_m, opening_angle_deg, base_width_m"),
+  EXPECT_NE(complaint([&] { contour_axes(table, {}); }).find("length_m (0.75, 0.85), opening_angle_deg"),
             std::string::npos);
   ContourOptions one_stage;
   one_stage.stage = "plane";
@@ -142,8 +142,8 @@ TEST(ContourTable, matrix_of_two_stages_asks_which) {
 }
 
 TEST(ContourFigure, source_is_the_same_every_time) {
-  const FigureSource first = contour_figure(three_by_three(), {}, "a.dat", "a.png");
-  const FigureSource second = contour_figure(three_by_three(), {}, "a.dat", "a.png");
+  const FigureFiles first = contour_figure(three_by_three(), {}, "a.dat", "a.png");
+  const FigureFiles second = contour_figure(three_by_three(), {}, "a.dat", "a.png");
   EXPECT_EQ(first.script, second.script);
   EXPECT_EQ(first.data, second.data);
 }
@@ -163,7 +163,7 @@ TEST(ContourFigure, best_is_the_lowest_trusted_design) {
   table.rows[0].state = "untrusted";
   table.rows[8].f_m = 0.002;
   const std::string script = contour_figure(table, {}, "a.dat", "a.png").script;
-  EXPECT_NE(script.find("best: f = 2.0 ± 0.5 mm at opening angle 0.6 deg, base width 0.2 m"), std::string::npos)
+  EXPECT_NE(script.find("best design: f = 2.0 ± 0.5 mm at opening angle 0.6 deg, base width 0.2 m"), std::string::npos)
       << script;
   EXPECT_NE(script.find("'untrusted'"), std::string::npos);
 }
@@ -178,7 +178,7 @@ TEST(ContourFigure, names_cannot_break_out_of_the_script) {
   ContourOptions options;
   options.title = "it's; system('false')\nquit";
   const std::string script = contour_figure(three_by_three(), options, "a'b.dat", "a.png").script;
-  EXPECT_NE(script.find("set title 'it''s; system(''false'') quit'"), std::string::npos) << script;
+  EXPECT_NE(script.find("set label 1 'it''s; system(''false'') quit'"), std::string::npos) << script;
   EXPECT_NE(script.find("'a''b.dat'"), std::string::npos);
 }
 
@@ -211,7 +211,7 @@ class DrawnFigure : public testing::Test {
     const std::string svg = file_content(folder_ / (name + ".svg"));
     EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
     EXPECT_NE(svg.find(">" + name + "<"), std::string::npos) << name << ": title";
-    EXPECT_NE(svg.find("best: f = "), std::string::npos) << name;
+    EXPECT_NE(svg.find("best design: f = "), std::string::npos) << name;
     EXPECT_NE(svg.find("xlink:href='#gpPt"), std::string::npos) << name << ": symbols";
   }
 
