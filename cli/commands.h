@@ -25,12 +25,9 @@ void add_plan(CLI::App& app, int& exit_code);
 void add_why(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_contour(CLI::App& app, int& exit_code);
-<<<<<<< HEAD
+void add_sample(CLI::App& app, int& exit_code);
 void add_rescore(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
-=======
-void add_sample(CLI::App& app, int& exit_code);
->>>>>>> six-figures
 void add_bench(CLI::App& app, int& exit_code);
 void add_picture(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
