@@ -169,7 +169,9 @@ void Chart::legend(const std::string& text, const std::string& css, const std::s
 std::string Chart::frame() const {
   std::string grid, texts;
   const double bottom = height_ - bottom_, right = width_ - right_;
-  const auto x_ticks = round_ticks(x_.low, x_.high, 6), y_ticks = round_ticks(y_.low, y_.high, 4);
+  auto x_ticks = round_ticks(x_.low, x_.high, width_ > 600 ? 8 : 5);
+  if (x_.whole) std::erase_if(x_ticks, [](double tick) { return std::abs(tick - std::round(tick)) > 1e-9; });
+  const auto y_ticks = round_ticks(y_.low, y_.high, 4);
   const auto label = [](double value, const std::vector<double>& ticks) {
     const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : std::abs(value);
     const int decimals = step > 0 ? std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9))) : 0;
@@ -210,8 +212,9 @@ std::string Chart::svg() const {
   for (const std::string& one : legend_) legends += one;
   if (!legends.empty()) legends = fmt::format("<p class=\"legend\">{}</p>\n", legends);
   return fmt::format(
-      "{}<svg class=\"chart\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">\n{}{}\n{}</svg>", legends,
-      width_, height_, escaped(title_), behind_, frame(), body_);
+      "{}<div class=\"box\"><svg class=\"chart{}\" style=\"max-width:{:.0f}px\" viewBox=\"0 0 {:.0f} {:.0f}\" "
+      "role=\"img\" aria-label=\"{}\">\n{}{}\n{}</svg></div>",
+      legends, width_ > 600 ? " big" : "", 1.1 * width_, width_, height_, escaped(title_), behind_, frame(), body_);
 }
 
 }  // namespace drumsweep

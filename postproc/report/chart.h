@@ -11,6 +11,7 @@ struct ChartAxis {
   std::string label;                 ///< with unit
   double low = 0, high = 1;          ///< low < high
   std::vector<std::string> names{};  ///< in place of numbers: one a unit from 0, for lists
+  bool whole = false;                ///< ticks at whole numbers only
 };
 
 /// Lowest and highest finite value with a margin on both sides; [0, 1] without any, never empty.
@@ -27,7 +28,7 @@ struct ChartPoint {
 class Chart {
  public:
   /// @param title  what a reader who cannot see it should know
-  Chart(std::string title, ChartAxis x, ChartAxis y, double width = 640, double height = 300);
+  Chart(std::string title, ChartAxis x, ChartAxis y, double width = 480, double height = 270);
 
   /// @param shape  circle, square, diamond, cross
   void points(const std::vector<ChartPoint>& points, const std::string& css, const std::string& shape = "circle",

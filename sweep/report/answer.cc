@@ -112,13 +112,14 @@ std::string spectrum_chart(const DetailedDesign& d) {
   std::vector<double> values = {1.2 * stop_limit};
   for (std::size_t n = 1; n < a.size(); ++n) {
     modes.push_back(
-        {static_cast<double>(n), a[n] / a[0], 0, fmt::format("mode {}: |a_n| / a_0 = {}", n, plain(a[n] / a[0], 3))});
+        {static_cast<double>(n), a[n] / a[0], 0, fmt::format("mode {}: |aₙ| / a₀ = {}", n, plain(a[n] / a[0], 3))});
     values.push_back(a[n] / a[0]);
   }
-  Chart chart("Fourier modes of the bed's profile", {"mode number n", 0.2, static_cast<double>(a.size()) - 0.2},
-              axis_over("|a_n| / a_0", values, true));
+  Chart chart("Fourier modes of the bed's profile",
+              {"mode number n", 0.2, static_cast<double>(a.size()) - 0.2, {}, true},
+              axis_over("|aₙ| / a₀", values, true));
   for (const ChartPoint& m : modes) chart.bar(m.x - 0.32, m.x + 0.32, 0, m.y, m.y > stop_limit ? "b" : "a", m.tip);
-  chart.rule(stop_limit, "stop test: a_0 / 10", "limit");
+  chart.rule(stop_limit, "stop test: a₀ / 10", "limit");
   return figure(chart.svg(), fmt::format("Fourier modes of that profile over its mean ({}); the paper asks for all of "
                                          "them below the line.",
                                          on_footprint ? "on the outlet’s footprint" : "on the whole belt"));
@@ -147,7 +148,7 @@ std::string header_html(const ReportData& data) {
                      banner_html(data), lead_html(data), strip);
 }
 
-std::string answer_html(const ReportData& data) {
+std::string answer_html(ReportData& data) {
   const Answer& a = data.answer;
   if (a.kind == Answer::Kind::none) return "<p>There is no optimum before a design has a result.</p>\n";
   std::vector<std::pair<std::string, std::string>> facts;
@@ -195,7 +196,10 @@ std::string answer_html(const ReportData& data) {
       millimetres(o.f_belt_m, o.sigma_f_belt_m), millimetres(o.f_footprint_m, o.sigma_f_footprint_m),
       millimetres(o.mean_height_m, 0), o.landed,
       o.spilled > 0 ? fmt::format(", {} fell past the belt’s open edge", o.spilled) : "");
-  html += "<div class=\"figures\">\n" + profile_chart(*data.best) + spectrum_chart(*data.best) + "</div>\n";
+  html += "<div class=\"figures\">\n" + profile_chart(*data.best) + spectrum_chart(*data.best) +
+          sample_html(*data.best, "best-", "Where its balls landed, the bed they made, its profile and its spectrum.",
+                      data) +
+          "</div>\n";
   return html;
 }
 

@@ -128,8 +128,8 @@ std::string gantt(const RunTimeline& run, std::size_t number) {
                                                   : ", " + span.event));
     }
   }
-  chart.legend("designs, in turn", "a", "bar");
-  chart.legend("", "grey", "bar");
+  chart.legend("", "a", "bar");
+  chart.legend("designs, in turn", "grey", "bar");
   chart.legend("warm-up", "b", "bar");
   chart.legend("failed or stopped", "bad", "bar");
   return figure(

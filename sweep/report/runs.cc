@@ -62,7 +62,7 @@ void add_stages(Chart& chart, const ReportData& data, const std::vector<std::siz
 ChartAxis run_axis(const ReportData& data) {
   std::size_t most = 1;
   for (const std::size_t number : data.run_number) most = std::max(most, number);
-  return {"run, in the order in which they were begun", 0.0, static_cast<double>(most) + 1};
+  return {"run, in the order in which they were begun", 0.0, static_cast<double>(most) + 1, {}, true};
 }
 
 std::string path_chart(const ReportData& data, const std::vector<std::size_t>& order) {
@@ -217,11 +217,11 @@ std::string noise_html(const ReportData& data) {
                           {number_text(1000 * g.mean, 4), ""},
                           {number_text(1000 * g.scatter, 2), ""},
                           {number_text(1000 * g.own, 2), ""}});
-    for (const std::size_t i : g.rows) {
+    for (std::size_t r = 0; r < g.rows.size(); ++r) {
+      const std::size_t i = g.rows[r];
       const ResultRow& row = data.table.rows[i];
       // Side by side, so that errors do not cover each other.
-      const double aside =
-          0.5 * (static_cast<double>(&i - g.rows.data()) + 0.5) / static_cast<double>(g.rows.size()) - 0.25;
+      const double aside = 0.5 * (static_cast<double>(r) + 0.5) / static_cast<double>(g.rows.size()) - 0.25;
       runs.push_back({static_cast<double>(k + 1) + aside, 1000 * row.f_m, 1000 * row.sigma_f_m, tip_of(data, i)});
       values.push_back(1000 * (row.f_m + row.sigma_f_m));
       values.push_back(1000 * (row.f_m - row.sigma_f_m));
@@ -230,15 +230,17 @@ std::string noise_html(const ReportData& data) {
     means.push_back({static_cast<double>(k + 1) + 0.36, 1000 * g.mean, 0, ""});
     means.push_back({ResultRow::none, ResultRow::none, 0, ""});
   }
-  Chart chart("Runs of the same design", {"design, in the order of the table", 0.4, static_cast<double>(shown) + 0.6},
-              axis_over("f (mm)", values), 640, 280);
+  Chart chart("Runs of the same design",
+              {"design, in the order of the table", 0.4, static_cast<double>(shown) + 0.6, {}, true},
+              axis_over("f (mm)", values), 900, 280);
   chart.line(means, "best");
   chart.points(runs, "a");
   chart.legend("a run with its own error", "a", "circle");
   chart.legend("mean", "best", "line");
-  html +=
-      figure(chart.svg(), shown < groups.size() ? fmt::format("The {} with the lowest f of {}.", shown, groups.size())
-                                                : "Runs of the same design with other random numbers.");
+  html += figure(chart.svg(),
+                 shown < groups.size() ? fmt::format("The {} with the lowest f of {}.", shown, groups.size())
+                                       : "Runs of the same design with other random numbers.",
+                 true);
   return html + html_of(table);
 }
 
@@ -286,7 +288,7 @@ std::string solver_html(const ReportData& data) {
   const double limit = data.study.solver.residual_limit_m_s;
   const double largest = *std::max_element(values.begin(), values.end());
   if (1000 * limit < 4 * largest) values.push_back(1000 * limit);
-  Chart chart("Mean residual of every run", run_axis(data), axis_over("mean residual (mm/s)", values, true), 640, 260);
+  Chart chart("Mean residual of every run", run_axis(data), axis_over("mean residual (mm/s)", values, true), 900, 240);
   chart.points(points, "a", "circle", order.size() > 500 ? 2 : 3);
   chart.rule(1000 * limit, "limit of trust", "limit");
   std::size_t lost = 0;
@@ -302,7 +304,7 @@ std::string solver_html(const ReportData& data) {
       {"lost balls", fmt::format("{}", lost)}};
   return "<p>Medians over the runs. The residual is what the contact problem’s solution misses its conditions by, as a "
          "velocity.</p>\n" +
-         fact_table(facts) + figure(chart.svg(), "Mean residual of each run, over its recorded turns.");
+         fact_table(facts) + figure(chart.svg(), "Mean residual of each run, over its recorded turns.", true);
 }
 
 std::string designs_html(const ReportData& data) {

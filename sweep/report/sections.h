@@ -11,10 +11,10 @@ namespace drumsweep {
 std::string header_html(const ReportData& data);
 
 std::string asked_html(const ReportData& data);         ///< the study in words and numbers
-std::string answer_html(const ReportData& data);        ///< optimum, region, confirmation, its bed and spectrum
+std::string answer_html(ReportData& data);              ///< optimum, region, confirmation, its bed and spectrum
 std::string contours_html(ReportData& data);            ///< f over the variables, by stage and together
 std::string search_html(const ReportData& data);        ///< the runs in their order, decisions of the stages
-std::string samples_html(const ReportData& data);       ///< S1's sample points; empty where none is there
+std::string samples_html(ReportData& data);             ///< S1's sample points; empty where none is there
 std::string drum_html(ReportData& data, bool picture);  ///< rendered picture, steadiness
 std::string noise_html(const ReportData& data);         ///< replicates and sigma
 std::string trouble_html(const ReportData& data);       ///< untrusted and failed designs
@@ -22,5 +22,9 @@ std::string solver_html(const ReportData& data);        ///< residual, overlap, 
 std::string cost_html(const ReportData& data);          ///< core-hours, ranks, timeline
 std::string designs_html(const ReportData& data);       ///< the table
 std::string provenance_html(const ReportData& data);    ///< hosts, versions, checksums, how to do it again
+
+/// Landings, bed, profile and spectrum of one design as a figure. @param id  of this page only, ends in "-"
+std::string sample_html(const DetailedDesign& design, const std::string& id, const std::string& caption,
+                        ReportData& data);
 
 }  // namespace drumsweep
