@@ -196,10 +196,10 @@ std::string answer_html(ReportData& data) {
       millimetres(o.f_belt_m, o.sigma_f_belt_m), millimetres(o.f_footprint_m, o.sigma_f_footprint_m),
       millimetres(o.mean_height_m, 0), o.landed,
       o.spilled > 0 ? fmt::format(", {} fell past the belt’s open edge", o.spilled) : "");
-  html += "<div class=\"figures\">\n" + profile_chart(*data.best) + spectrum_chart(*data.best) +
+  html += "<div class=\"figures\">\n" +
           sample_html(*data.best, "best-", "Where its balls landed, the bed they made, its profile and its spectrum.",
                       data) +
-          "</div>\n";
+          "<div>\n" + profile_chart(*data.best) + spectrum_chart(*data.best) + "</div>\n</div>\n";
   return html;
 }
 

@@ -68,9 +68,11 @@ std::string held_words(const ContourOptions& options) {
 
 /// One figure, or why there is none.
 std::string map_html(ReportData& data, const ResultTable& table, const ContourOptions& options, const std::string& id,
-                     const std::string& caption, bool wide) {
+                     const std::string& caption) {
   try {
-    return figure(contour_for_page(table, options, {id, "f over the design variables"}), caption, wide);
+    return figure(fmt::format("<div class=\"box map\">{}</div>",
+                              contour_for_page(table, options, {id, "f over the design variables"})),
+                  caption, true);
   } catch (const std::exception& error) {
     const std::string why = fmt::format("no figure of f{}: {}", held_words(options), error.what());
     data.notes.push_back(why);
@@ -128,10 +130,8 @@ std::string contours_html(ReportData& data) {
       const bool fitted = options.fit && options.fit->usable;
       html += map_html(data, means, options, fmt::format("map{}-", ++number),
                        fmt::format("f from all stages{}{}.", escaped(held_words(options)),
-                                   fitted ? "; the surface is the fit through all runs" : ""),
-                       planes.size() == 1);
+                                   fitted ? "; the surface is the fit through all runs" : ""));
     }
-    if (planes.size() > 1) html = "<div class=\"figures\">\n" + html + "</div>\n";
 
     // Each stage by itself, where there are several that sample.
     std::vector<std::size_t> stages;
@@ -142,7 +142,7 @@ std::string contours_html(ReportData& data) {
           }) > 2)
         stages.push_back(s);
     if (stages.size() > 1 && planes.size() == 1) {
-      html += "<h3>Each stage</h3>\n<div class=\"figures\">\n";
+      html += "<h3>Each stage</h3>\n";
       for (const std::size_t s : stages) {
         if (++number > most_maps) break;
         const StageConfig& stage = data.study.stages[s];
@@ -152,10 +152,8 @@ std::string contours_html(ReportData& data) {
         if (!grid) options.fit = contour_fit(fit, means, options);
         html += map_html(data, means, options, fmt::format("map{}-", number),
                          fmt::format("Stage “{}” ({}){}.", escaped(stage.name), escaped(stage.type),
-                                     grid ? ": between its own designs" : ": its designs on the fit through all runs"),
-                         false);
+                                     grid ? ": between its own designs" : ": its designs on the fit through all runs"));
       }
-      html += "</div>\n";
     }
   } catch (const std::exception& error) {
     data.notes.push_back(fmt::format("no figure of f over the variables: {}", error.what()));
@@ -173,7 +171,9 @@ std::string contours_html(ReportData& data) {
 std::string sample_html(const DetailedDesign& d, const std::string& id, const std::string& caption, ReportData& data) {
   try {
     DesignSample sample = design_sample(d.recording.landings, d.recording.begin_s, d.recording.turns, d.study);
-    return figure(sample_for_page(sample, {id, "landings, bed, profile and spectrum of a design"}), caption);
+    return figure(fmt::format("<div class=\"box sample\">{}</div>",
+                              sample_for_page(sample, {id, "landings, bed, profile and spectrum of a design"})),
+                  caption);
   } catch (const std::exception& error) {
     data.notes.push_back(fmt::format("design {} is not drawn: {}", d.row.design_id, error.what()));
     return fmt::format("<p class=\"note\">Design {} is not drawn: {}.</p>\n", escaped(d.row.design_id),
