@@ -22,6 +22,7 @@ std::string shape_at(const std::string& shape, double x, double y, double r) {
   if (shape == "cross")
     return fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}m0 {:.1f}l{:.1f} {:.1f}", x - r, y - r, 2 * r, 2 * r, -2 * r,
                        -2 * r, 2 * r);
+  if (shape == "dot") return fmt::format("M{:.1f} {:.1f}h0", x, y);
   return fmt::format("M{:.1f} {:.1f}a{:.1f} {:.1f} 0 1 0 {:.1f} 0a{:.1f} {:.1f} 0 1 0 {:.1f} 0z", x - r, y, r, r, 2 * r,
                      r, r, -2 * r);
 }

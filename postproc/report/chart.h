@@ -30,7 +30,7 @@ class Chart {
   /// @param title  what a reader who cannot see it should know
   Chart(std::string title, ChartAxis x, ChartAxis y, double width = 480, double height = 270);
 
-  /// @param shape  circle, square, diamond, cross
+  /// @param shape  circle, square, diamond, cross; dot: a small circle of few bytes, for thousands
   void points(const std::vector<ChartPoint>& points, const std::string& css, const std::string& shape = "circle",
               double radius = 3.2);
   /// Lines break at points that are not finite. @param step  horizontal up to the next point

@@ -13,7 +13,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
       const down = head.getAttribute("aria-sort") === "ascending";
       const numbers = head.classList.contains("n");
       const number = (row) => {
-        const text = key(row, column);
+        const text = key(row, column).replace("\u2212", "-");
         return text === "" || isNaN(text) ? null : Number(text);
       };
       const order = (a, b) => {

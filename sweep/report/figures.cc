@@ -17,7 +17,7 @@
 namespace drumsweep {
 namespace {
 
-constexpr std::size_t most_maps = 6;
+constexpr std::size_t most_maps = 6, most_landings = 1500;
 
 bool has_value(const ResultRow& row) { return row.state == "done" || row.state == "untrusted"; }
 
@@ -87,21 +87,15 @@ std::string scatter_chart(const ReportData& data, std::size_t v) {
   for (std::size_t i = 0; i < data.table.rows.size(); ++i) {
     const ResultRow& row = data.table.rows[i];
     if (!has_value(row)) continue;
-    std::vector<std::pair<std::string, double>> at;
-    for (std::size_t k = 0; k < row.variables.size(); ++k)
-      at.emplace_back(data.table.variable_names[k], row.variables[k]);
-    const ChartPoint point{
-        row.variables[v], 1000 * row.f_m, 1000 * row.sigma_f_m,
-        fmt::format("{}\n{}\nf = {}", row.design_id, place_text(at), millimetres(row.f_m, row.sigma_f_m))};
+    const ChartPoint point{row.variables[v], 1000 * row.f_m, 1000 * row.sigma_f_m, run_tip(data, i)};
     (row.state == "done" ? done : untrusted).push_back(point);
     xs.push_back(point.x);
     fs.push_back(point.y + point.error);
   }
   const std::string label = axis_label(data.table.variable_names[v]);
   Chart chart(fmt::format("f of every run over the {}", label), axis_over(label, xs), axis_over("f (mm)", fs, true));
-  const double radius = done.size() > 500 ? 2 : 3;
-  chart.points(done, "a", "circle", radius);
-  chart.points(untrusted, "b open", "diamond", radius);
+  chart.points(done, "a", many_runs(data) ? "dot" : "circle", 3);
+  chart.points(untrusted, "b open", "diamond", 3);
   for (std::size_t i = 0; i < data.answer.at.size(); ++i)
     if (data.answer.at[i].first == data.table.variable_names[v]) {
       chart.rule(data.answer.at[i].second, "optimum", "dash", true);
@@ -115,6 +109,27 @@ std::string scatter_chart(const ReportData& data, std::size_t v) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, double>> place_of_row(const ReportData& data, const ResultRow& row) {
+  std::vector<std::pair<std::string, double>> at;
+  for (std::size_t i = 0; i < row.variables.size(); ++i)
+    at.emplace_back(data.table.variable_names[i], row.variables[i]);
+  return at;
+}
+
+bool many_runs(const ReportData& data) { return data.table.rows.size() > 500; }
+
+std::string run_tip(const ReportData& data, std::size_t i) {
+  const ResultRow& row = data.table.rows[i];
+  std::string f = row.state == "failed" ? "failed" : "f = " + millimetres(row.f_m, row.sigma_f_m);
+  if (row.state == "untrusted") f += " (untrusted)";
+  if (!many_runs(data))
+    return fmt::format("{} · run {} · stage {}\n{}\n{}", row.design_id, data.run_number[i], row.stage,
+                       place_text(place_of_row(data, row)), f);
+  std::string values;
+  for (const auto& [name, value] : place_of_row(data, row)) values += with_unit(value, quantity_of(name).unit) + ", ";
+  return fmt::format("{}: {}{}", row.design_id, values, f);
+}
 
 std::string contours_html(ReportData& data) {
   const auto valued = std::count_if(data.table.rows.begin(), data.table.rows.end(), has_value);
@@ -171,9 +186,10 @@ std::string contours_html(ReportData& data) {
 std::string sample_html(const DetailedDesign& d, const std::string& id, const std::string& caption, ReportData& data) {
   try {
     DesignSample sample = design_sample(d.recording.landings, d.recording.begin_s, d.recording.turns, d.study);
-    return figure(fmt::format("<div class=\"box sample\">{}</div>",
-                              sample_for_page(sample, {id, "landings, bed, profile and spectrum of a design"})),
-                  caption);
+    return figure(
+        fmt::format("<div class=\"box sample\">{}</div>",
+                    sample_for_page(sample, {id, "landings, bed, profile and spectrum of a design"}, most_landings)),
+        caption);
   } catch (const std::exception& error) {
     data.notes.push_back(fmt::format("design {} is not drawn: {}", d.row.design_id, error.what()));
     return fmt::format("<p class=\"note\">Design {} is not drawn: {}.</p>\n", escaped(d.row.design_id),
@@ -188,13 +204,11 @@ std::string samples_html(ReportData& data) {
   // sample_html() may add a note to the data, so not by reference into it.
   for (std::size_t i = 0; i < data.samples.size(); ++i) {
     const auto& [name, detail] = data.samples[i];
-    std::vector<std::pair<std::string, double>> at;
-    for (std::size_t k = 0; k < detail.row.variables.size(); ++k)
-      at.emplace_back(data.table.variable_names[k], detail.row.variables[k]);
-    html += sample_html(detail, fmt::format("sample{}-", ++number),
-                        fmt::format("<b>{}</b>: {}; f = {}.", escaped(name), escaped(place_text(at)),
-                                    millimetres(detail.row.f_m, detail.row.sigma_f_m)),
-                        data);
+    html += sample_html(
+        detail, fmt::format("sample{}-", ++number),
+        fmt::format("<b>{}</b>: {}; f = {}.", escaped(name), escaped(place_text(place_of_row(data, detail.row))),
+                    millimetres(detail.row.f_m, detail.row.sigma_f_m)),
+        data);
   }
   return "<p>The designs nearest to the points of the paper’s Table 1 (within 0.01 and 3 mm), as in its Figure 9.</p>\n"
          "<div class=\"figures\">\n" +

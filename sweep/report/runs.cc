@@ -14,22 +14,6 @@
 namespace drumsweep {
 namespace {
 
-std::vector<std::pair<std::string, double>> place_of(const ReportData& data, const ResultRow& row) {
-  std::vector<std::pair<std::string, double>> at;
-  for (std::size_t i = 0; i < row.variables.size(); ++i)
-    at.emplace_back(data.table.variable_names[i], row.variables[i]);
-  return at;
-}
-
-/// What is said when a design's mark is pointed at.
-std::string tip_of(const ReportData& data, std::size_t i) {
-  const ResultRow& row = data.table.rows[i];
-  std::string text = fmt::format("{} · run {} · stage {}\n{}\n", row.design_id, data.run_number[i], row.stage,
-                                 place_text(place_of(data, row)));
-  return text + (row.state == "failed" ? "failed" : "f = " + millimetres(row.f_m, row.sigma_f_m)) +
-         (row.state == "untrusted" ? " (untrusted)" : "");
-}
-
 /// Rows in the order in which they were simulated.
 std::vector<std::size_t> in_order(const ReportData& data) {
   std::vector<std::size_t> order;
@@ -73,10 +57,10 @@ std::string path_chart(const ReportData& data, const std::vector<std::size_t>& o
     const ResultRow& row = data.table.rows[i];
     const auto run = static_cast<double>(data.run_number[i]);
     if (row.state == "failed") {
-      failed.push_back({run, 0, 0, tip_of(data, i)});
+      failed.push_back({run, 0, 0, run_tip(data, i)});
       continue;
     }
-    (row.state == "done" ? done : untrusted).push_back({run, 1000 * row.f_m, 1000 * row.sigma_f_m, tip_of(data, i)});
+    (row.state == "done" ? done : untrusted).push_back({run, 1000 * row.f_m, 1000 * row.sigma_f_m, run_tip(data, i)});
     values.push_back(1000 * (row.f_m + row.sigma_f_m));
     if (row.state == "done" && !(lowest <= row.f_m)) lowest = row.f_m;
     best.push_back({run, 1000 * lowest, 0, ""});
@@ -87,9 +71,8 @@ std::string path_chart(const ReportData& data, const std::vector<std::size_t>& o
   add_stages(chart, data, order);
   if (!best.empty()) best.push_back({run_axis(data).high, best.back().y, 0, ""});
   chart.line(best, "best", true);
-  const double radius = order.size() > 500 ? 2.2 : 3.4;
-  chart.points(done, "a", "circle", radius);
-  chart.points(untrusted, "b open", "diamond", radius);
+  chart.points(done, "a", many_runs(data) ? "dot" : "circle", 3.4);
+  chart.points(untrusted, "b open", "diamond", 3.4);
   chart.points(failed, "bad", "cross", 3.5);
   if (tolerance > 0) chart.rule(1000 * tolerance, "asked for", "limit");
   chart.legend("a run with its standard error", "a", "circle");
@@ -210,7 +193,7 @@ std::string noise_html(const ReportData& data) {
   std::vector<double> values;
   for (std::size_t k = 0; k < shown; ++k) {
     const Group& g = groups[k];
-    std::vector<std::pair<std::string, double>> at = place_of(data, data.table.rows[g.rows[0]]);
+    std::vector<std::pair<std::string, double>> at = place_of_row(data, data.table.rows[g.rows[0]]);
     std::erase_if(at, [](const auto& v) { return v.first == "replicate"; });
     table.rows.push_back({{escaped(place_text(at)), ""},
                           {fmt::format("{}", g.rows.size()), ""},
@@ -222,7 +205,7 @@ std::string noise_html(const ReportData& data) {
       const ResultRow& row = data.table.rows[i];
       // Side by side, so that errors do not cover each other.
       const double aside = 0.5 * (static_cast<double>(r) + 0.5) / static_cast<double>(g.rows.size()) - 0.25;
-      runs.push_back({static_cast<double>(k + 1) + aside, 1000 * row.f_m, 1000 * row.sigma_f_m, tip_of(data, i)});
+      runs.push_back({static_cast<double>(k + 1) + aside, 1000 * row.f_m, 1000 * row.sigma_f_m, run_tip(data, i)});
       values.push_back(1000 * (row.f_m + row.sigma_f_m));
       values.push_back(1000 * (row.f_m - row.sigma_f_m));
     }
@@ -257,7 +240,7 @@ std::string trouble_html(const ReportData& data) {
     std::string which;
     for (std::size_t i = 0; i < rows.size() && i < most_named; ++i)
       which += fmt::format("{}<code>{}</code> ({})", i == 0 ? "" : "; ", escaped(rows[i]->design_id),
-                           escaped(place_text(place_of(data, *rows[i]))));
+                           escaped(place_text(place_of_row(data, *rows[i]))));
     if (rows.size() > most_named)
       which += fmt::format("; and {} more, in the table of all designs", rows.size() - most_named);
     table.rows.push_back({{escaped(reason), ""}, {fmt::format("{}", rows.size()), ""}, {which, ""}});
@@ -280,7 +263,7 @@ std::string solver_html(const ReportData& data) {
     const ResultRow& row = data.table.rows[i];
     if (!std::isfinite(row.residual)) continue;
     points.push_back({static_cast<double>(data.run_number[i]), 1000 * row.residual, 0,
-                      fmt::format("{}\nmean residual {} mm/s\n95 % of overlaps below {} % of a diameter", row.design_id,
+                      fmt::format("{}\n{} mm/s, 95 % of overlaps below {} %", row.design_id,
                                   plain(1000 * row.residual, 3), plain(100 * row.overlap_95, 3))});
     values.push_back(1000 * row.residual);
   }
@@ -289,7 +272,7 @@ std::string solver_html(const ReportData& data) {
   const double largest = *std::max_element(values.begin(), values.end());
   if (1000 * limit < 4 * largest) values.push_back(1000 * limit);
   Chart chart("Mean residual of every run", run_axis(data), axis_over("mean residual (mm/s)", values, true), 900, 240);
-  chart.points(points, "a", "circle", order.size() > 500 ? 2 : 3);
+  chart.points(points, "a", many_runs(data) ? "dot" : "circle");
   chart.rule(1000 * limit, "limit of trust", "limit");
   std::size_t lost = 0;
   for (const ResultRow& row : data.table.rows)
@@ -328,17 +311,16 @@ std::string designs_html(const ReportData& data) {
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   const auto number = [](double value, double scale, int digits) {
-    return std::isfinite(value) ? HtmlCell{number_text(scale * value, digits), fmt::format("{:.9g}", value)}
-                                : HtmlCell{"–", "-"};
+    return HtmlCell{number_text(scale * value, digits), ""};
   };
   for (const std::size_t i : order) {
     const ResultRow& row = data.table.rows[i];
     std::vector<HtmlCell> cells = {
-        {fmt::format("<code>{}</code>", escaped(row.design_id)), row.design_id},
+        {fmt::format("<code>{}</code>", escaped(row.design_id)), ""},
         {escaped(row.stage), ""},
-        data.run_number[i] > 0 ? HtmlCell{fmt::format("{}", data.run_number[i]), ""} : HtmlCell{"–", "-"},
+        data.run_number[i] > 0 ? HtmlCell{fmt::format("{}", data.run_number[i]), ""} : HtmlCell{"–", ""},
         {row.state, ""}};
-    for (const double value : row.variables) cells.push_back({plain(value, 6), fmt::format("{:.9g}", value)});
+    for (const double value : row.variables) cells.push_back({plain(value, 6), ""});
     cells.push_back(number(row.f_m, 1000, 4));
     cells.push_back(number(row.sigma_f_m, 1000, 2));
     cells.push_back(number(row.f_footprint_m, 1000, 4));

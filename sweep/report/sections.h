@@ -23,6 +23,13 @@ std::string cost_html(const ReportData& data);          ///< core-hours, ranks, 
 std::string designs_html(const ReportData& data);       ///< the table
 std::string provenance_html(const ReportData& data);    ///< hosts, versions, checksums, how to do it again
 
+/// Names and values of a row's variables.
+std::vector<std::pair<std::string, double>> place_of_row(const ReportData& data, const ResultRow& row);
+/// So many that each mark has to be said in few bytes.
+bool many_runs(const ReportData& data);
+/// What is said when the mark of a run is pointed at.
+std::string run_tip(const ReportData& data, std::size_t row);
+
 /// Landings, bed, profile and spectrum of one design as a figure. @param id  of this page only, ends in "-"
 std::string sample_html(const DetailedDesign& design, const std::string& id, const std::string& caption,
                         ReportData& data);
