@@ -28,7 +28,7 @@ struct UnitPlane {
 
 /// A design with or without a value, in the slice or outside.
 struct Place {
-  Site site;  ///< in the unit plane
+  PlaneSite site;  ///< in the unit plane
   bool failed = false;
 };
 
@@ -52,7 +52,7 @@ class Gatherer {
   ContourContent content() {
     for (const ResultRow& row : table_.rows)
       if (options_.stage.empty() || row.stage == options_.stage) add(row);
-    if (content_.stages.empty() && !(content_.elsewhere.size() > 0 && options_.fit && options_.fit->usable))
+    if (content_.low_mm > content_.high_mm && (content_.elsewhere.empty() || usable_fit() == nullptr))
       throw InputError("contour: no design has a value yet, there is nothing to draw");
     order_stages();
     unit_ = {content_.low, content_.high};
@@ -140,7 +140,7 @@ class Gatherer {
   void make_hull() {
     std::vector<PlanePoint> points;
     if (content_.elsewhere.empty()) {
-      for (const Site& site : sites_) points.push_back(site.at);
+      for (const PlaneSite& site : sites_) points.push_back(site.at);
     } else {
       // x, y, then what the slice holds.
       std::vector<std::vector<double>> all;
@@ -315,8 +315,8 @@ class Gatherer {
   ContourContent content_;
   std::map<std::string, std::vector<PlaneSample>> samples_;
   std::vector<const ResultRow*> rows_;
-  std::vector<Place> places_;  ///< (rows_)
-  std::vector<Site> sites_;    ///< (rows_)
+  std::vector<Place> places_;     ///< (rows_)
+  std::vector<PlaneSite> sites_;  ///< (rows_)
   UnitPlane unit_;
   Polygon unit_hull_;
 };

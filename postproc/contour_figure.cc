@@ -152,13 +152,21 @@ const ContourFit* usable_fit(const ContourOptions& options) {
   return options.fit && options.fit->usable ? &*options.fit : nullptr;
 }
 
-std::string optimum_text(const ContourFit::Optimum& optimum) {
-  std::string where;
-  for (std::size_t k = 0; k < optimum.variables.size(); ++k)
-    where += fmt::format("{}{} ({:.3g} to {:.3g})", k == 0 ? "" : ", ", value_text(optimum.variables[k], optimum.at[k]),
-                         optimum.low[k], optimum.high[k]);
-  return fmt::format("optimum of the fit (95 % range): f = {} mm at {}",
-                     with_error(1e3 * optimum.f_m, 1e3 * optimum.sigma_m), where);
+std::vector<std::string> optimum_texts(const ContourFit::Optimum& optimum) {
+  std::string where, range;
+  for (std::size_t k = 0; k < optimum.variables.size(); ++k) {
+    const std::string& name = optimum.variables[k];
+    // "base width (m)" -> "base width 0.035 to 0.041 m"
+    const std::string label = axis_label(name);
+    const std::size_t unit = label.rfind(" (");
+    where += fmt::format("{}{}", k == 0 ? "" : ", ", value_text(name, optimum.at[k]));
+    range += fmt::format("{}{} {:.3g} to {:.3g}", k == 0 ? "" : ", ", label.substr(0, unit), optimum.low[k],
+                         optimum.high[k]);
+    if (unit != std::string::npos) range += " " + label.substr(unit + 2, label.size() - unit - 3);
+  }
+  return {
+      fmt::format("optimum of the fit: f = {} mm at {}", with_error(1e3 * optimum.f_m, 1e3 * optimum.sigma_m), where),
+      fmt::format("with 95 %: {}", range)};
 }
 
 /// What stands between title and plot.
@@ -166,7 +174,7 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
                                   const ContourContent& content) {
   std::vector<std::string> notes;
   const ContourFit* fit = usable_fit(options);
-  if (fit != nullptr && fit->optimum) notes.push_back(optimum_text(*fit->optimum));
+  if (fit != nullptr && fit->optimum) notes = optimum_texts(*fit->optimum);
   if (const auto& best = content.best) {
     std::string where = value_text(table.variable_names[axes.x], best->at.x);
     if (axes.plane) where += ", " + value_text(table.variable_names[*axes.y], best->at.y);
@@ -179,8 +187,10 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
         held += (held.empty() ? "" : ", ") + value_text(table.variable_names[v], axes.fixed[v]);
     std::size_t here = content.failed.size();
     for (const ContourStage& stage : content.stages) here += stage.designs.size();
-    notes.push_back(
-        fmt::format("slice at {}: {} of {} designs lie in it", held, here, here + content.elsewhere.size()));
+    const bool projected = fit != nullptr && fit->optimum && axes.plane;
+    notes.push_back(fmt::format("slice at {}: {} of {} designs lie in it{}", held, here,
+                                here + content.elsewhere.size(),
+                                projected ? "; the optimum and its region are projected" : ""));
   }
   if (options.fit && fit == nullptr) {
     notes.push_back(fmt::format("no fit is drawn, as none is to be trusted: {}", options.fit->verdict));
@@ -211,8 +221,8 @@ void draw_designs_that_matter(Script& script, std::string& data, const ContourCo
     begin_block(data, "untrusted");
     data += untrusted;
     script.draw("untrusted", fmt::format("using 1:2 with points pt 7 ps 2.3 lc rgb 'white'"));
-    script.draw("untrusted", fmt::format("using 1:2 with points pt 6 ps 2.3 lw 1.5 lc rgb '{}'", on_map),
-                "untrusted (?)");
+    script.draw("untrusted", fmt::format("using 1:2 with points pt 6 ps 2.3 lw 1.5 lc rgb '{}'", on_map));
+    script.key("with points pt 6 ps 1.8 lw 1.5 lc rgb 'black'", "untrusted (?)");
     script.draw("untrusted", fmt::format("using 1:2:('?') with labels center font ',11' tc rgb '{}'", on_map));
   }
   if (!failed.empty()) {
@@ -225,7 +235,8 @@ void draw_designs_that_matter(Script& script, std::string& data, const ContourCo
     begin_block(data, "best");
     data += fmt::format("{:.9g} {:.9g}\n", content.best->at.x, y(*content.best));
     script.draw("best", "using 1:2 with points pt 13 ps 2.4 lc rgb 'white'");
-    script.draw("best", fmt::format("using 1:2 with points pt 12 ps 2.4 lw 2 lc rgb '{}'", on_map), "best design");
+    script.draw("best", fmt::format("using 1:2 with points pt 12 ps 2.4 lw 2 lc rgb '{}'", on_map));
+    script.key("with points pt 12 ps 1.7 lw 2 lc rgb 'black'", "best design");
   }
 }
 
@@ -256,8 +267,8 @@ void draw_levels(Script& script, std::string& data, const ContourContent& conten
   if (!bold.empty()) {
     begin_block(data, "tolerance");
     add_lines(data, bold);
-    script.draw("tolerance", fmt::format("using 1:2 with lines lw 3.5 lc rgb '{}'", on_map),
-                fmt::format("f = {:.4g} mm (tolerance)", tolerance_mm));
+    script.draw("tolerance", fmt::format("using 1:2 with lines lw 3.5 lc rgb '{}'", on_map));
+    script.key("with lines lw 3.5 lc rgb 'black'", fmt::format("f = {:.4g} mm (tolerance)", tolerance_mm));
   }
   if (!placer.labels.empty()) {
     begin_block(data, "labels");
@@ -345,10 +356,11 @@ void draw_stages(Script& script, std::string& data, const ContourContent& conten
     const bool filled = total <= most_filled || content.raster.size == 0;
     if (filled) {
       script.draw(block, fmt::format("using 1:2:3 with points pt {} ps 1.35 lc palette", symbol.filled));
-      script.draw(block, fmt::format("using 1:2 with points pt {} ps 1.35 lw 1.3 lc rgb '{}'", symbol.open, on_map),
-                  key);
+      script.draw(block, fmt::format("using 1:2 with points pt {} ps 1.35 lw 1.3 lc rgb '{}'", symbol.open, on_map));
+      script.key(fmt::format("with points pt {} ps 1.2 lw 1.3 lc rgb 'black'", symbol.open), key);
     } else {
-      script.draw(block, fmt::format("using 1:2 with points pt {} ps 0.4 lc rgb '{}'", symbol.filled, on_map), key);
+      script.draw(block, fmt::format("using 1:2 with points pt {} ps 0.4 lc rgb '{}'", symbol.filled, on_map));
+      script.key(fmt::format("with points pt {} ps 0.5 lc rgb 'black'", symbol.filled), key);
     }
   }
 }
@@ -362,8 +374,7 @@ void draw_region(Script& script, std::string& data, const ContourContent& conten
     begin_block(data, "region");
     add_lines(data, {closed});
     script.draw("region", "using 1:2 with lines lw 4.5 lc rgb 'white'");
-    script.draw("region", fmt::format("using 1:2 with lines lw 2 dt (12,6) lc rgb '{}'", on_map),
-                content.elsewhere.empty() ? "95 % region of the optimum" : "95 % region of the optimum, projected");
+    script.draw("region", fmt::format("using 1:2 with lines lw 2 dt (12,6) lc rgb '{}'", on_map));
   }
   const auto coordinate = [&](std::size_t variable) {
     const auto& names = fit.optimum->variables;
@@ -375,8 +386,9 @@ void draw_region(Script& script, std::string& data, const ContourContent& conten
   begin_block(data, "optimum");
   data += fmt::format("{:.9g} {:.9g}\n", x, y);
   script.draw("optimum", "using 1:2 with points pt 3 ps 2.2 lw 5.5 lc rgb 'white'");
-  script.draw("optimum", fmt::format("using 1:2 with points pt 3 ps 2 lw 2.4 lc rgb '{}'", on_map),
-              content.elsewhere.empty() ? "optimum of the fit" : "optimum of the fit, projected");
+  script.draw("optimum", fmt::format("using 1:2 with points pt 3 ps 2 lw 2.4 lc rgb '{}'", on_map));
+  script.key("with points pt 3 ps 1.6 lw 2 lc rgb 'black'", "optimum of the fit");
+  if (content.region.size() > 1) script.key("with lines lw 2 dt (12,6) lc rgb 'black'", "its 95 % region");
 }
 
 FigureFiles map_figure(const ResultTable& table, const ContourOptions& options, const ContourAxes& axes,
@@ -419,10 +431,10 @@ void draw_fit_curve(Script& script, std::string& data, const ContourContent& con
       data += fmt::format("{:.9g} {:.6g} {:.6g} {:.6g}\n", p.x, p.f_mm, std::max(0.0, p.f_mm - 1.96 * p.sigma_mm),
                           p.f_mm + 1.96 * p.sigma_mm);
   }
-  script.draw("fit", "using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#8bb2c1'",
-              "95 % of the mean over all random numbers");
+  script.draw("fit", "using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#8bb2c1'", "its 95 % band");
   script.draw("fit", "using 1:2 with lines lw 2.2 lc rgb '#31688e'", "fit");
-  if (!fit.optimum || content.region.empty()) return;
+  // Of a slice it would lie on another curve.
+  if (!fit.optimum || content.region.empty() || !content.elsewhere.empty()) return;
   const auto& names = fit.optimum->variables;
   const auto found = std::find(names.begin(), names.end(), variable);
   if (found == names.end()) return;
@@ -434,8 +446,7 @@ void draw_fit_curve(Script& script, std::string& data, const ContourContent& con
   }
   begin_block(data, "optimum");
   data += fmt::format("{:.9g} {:.6g} {:.9g} {:.9g}\n", at, 1e3 * fit.optimum->f_m, low, high);
-  script.draw("optimum", "using 1:2:3:4 with xerrorbars pt 3 ps 2 lw 2.4 lc rgb 'black'",
-              "optimum of the fit, 95 % range");
+  script.draw("optimum", "using 1:2:3:4 with xerrorbars pt 3 ps 2 lw 2.4 lc rgb 'black'", "optimum, 95 % range");
 }
 
 FigureFiles curve_figure(const ResultTable& table, const ContourOptions& options, const ContourAxes& axes,

@@ -41,17 +41,22 @@ std::string draw(const FigureFiles& figure, const std::string& picture) {
               "install gnuplot, or write the figure as .gp and draw it elsewhere");
   std::string drawn = read_whole_file(scratch.path / picture);
   if (drawn.empty()) throw std::runtime_error("gnuplot ended without an error but drew nothing");
-  return drawn;
+  if (!picture.ends_with(".svg")) return drawn;
+  // Cells are cells: no smoothing. And a font that every viewer has where the first is missing.
+  drawn = replaced(std::move(drawn), "<image ", "<image style=\"image-rendering:pixelated\" ");
+  return replaced(std::move(drawn), "font-family=\"DejaVu Sans\"", "font-family=\"DejaVu Sans, sans-serif\"");
 }
 
 std::string for_page(const std::string& svg, const PageFigure& page) {
   std::string out = svg.substr(std::min(svg.size(), svg.find("<svg")));
   // Black is the page's ink. Marks on coloured ground are nearly black on purpose (#101010) and stay.
   out = replaced(std::move(out), "color=\"black\"", "color=\"currentColor\"");
-  out = replaced(std::move(out), "fill=\"black\"", "fill=\"currentColor\"");
-  for (const char* black : {"'rgb(  0,   0,   0)'", "\"rgb(  0,   0,   0)\"", "'rgb(0,0,0)'", "\"rgb(0,0,0)\""})
+  for (const char* property : {"fill", "stroke"})
+    out = replaced(std::move(out), fmt::format("{}=\"black\"", property), fmt::format("{}=\"currentColor\"", property));
+  for (const char* black :
+       {"'black'", "'rgb(  0,   0,   0)'", "\"rgb(  0,   0,   0)\"", "'rgb(0,0,0)'", "\"rgb(0,0,0)\""})
     out = replaced(std::move(out), black, "\"currentColor\"");
-  out = replaced(std::move(out), "font-family=\"DejaVu Sans\"", "font-family=\"sans-serif\"");
+  out = replaced(std::move(out), "font-family=\"DejaVu Sans, sans-serif\"", "font-family=\"sans-serif\"");
   for (const char* quote : {"'", "\""})
     for (const std::string before : {"id=", "xlink:href=", "filter="}) {
       const std::string hash = before == "id=" ? "" : before == "filter=" ? "url(#" : "#";

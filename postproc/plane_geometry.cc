@@ -102,7 +102,7 @@ Polygon clipped(const Polygon& polygon, double a, double b, double c) {
   return out;
 }
 
-std::size_t nearest_site(std::span<const Site> sites, PlanePoint at) {
+std::size_t nearest_site(std::span<const PlaneSite> sites, PlanePoint at) {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < sites.size(); ++i) {
@@ -114,16 +114,16 @@ std::size_t nearest_site(std::span<const Site> sites, PlanePoint at) {
   return best;
 }
 
-Polygon nearest_region(std::span<const Site> sites, std::size_t i, const Polygon& within) {
+Polygon nearest_region(std::span<const PlaneSite> sites, std::size_t i, const Polygon& within) {
   Polygon region = within;
-  const Site& own = sites[i];
+  const PlaneSite& own = sites[i];
   for (std::size_t k = 0; k < sites.size() && !region.empty(); ++k) {
-    const Site& other = sites[k];
+    const PlaneSite& other = sites[k];
     const double dx = other.at.x - own.at.x, dy = other.at.y - own.at.y;
     // |r - own|^2 + own's distance^2 <= |r - other|^2 + other's distance^2
-    const double bound = 0.5 * (other.at.x * other.at.x + other.at.y * other.at.y + other.off_plane_squared -
-                                own.at.x * own.at.x - own.at.y * own.at.y - own.off_plane_squared);
-    if (dx == 0 && dy == 0 && bound >= 0) continue;
+    // As a product, so that it is exactly 0 for a site at the same place.
+    const double bound = 0.5 * (dx * (other.at.x + own.at.x) + dy * (other.at.y + own.at.y) + other.off_plane_squared -
+                                own.off_plane_squared);
     region = clipped(region, dx, dy, bound);
   }
   return region;

@@ -26,17 +26,17 @@ bool inside(const Polygon& polygon, PlanePoint at);
 Polygon clipped(const Polygon& polygon, double a, double b, double c);
 
 /// A design seen from a plane: its projection, and its squared distance from the plane, which is 0 for designs in it.
-struct Site {
+struct PlaneSite {
   PlanePoint at;
   double off_plane_squared = 0;
 };
 
 /// Position of the site nearest to a point of the plane, the first of equals. @pre there is one
-std::size_t nearest_site(std::span<const Site> sites, PlanePoint at);
+std::size_t nearest_site(std::span<const PlaneSite> sites, PlanePoint at);
 
 /// The part of `within` that is nearest to sites[i]: its Voronoi cell, cut by the plane. Sites at the same place share
 /// their cell.
-Polygon nearest_region(std::span<const Site> sites, std::size_t i, const Polygon& within);
+Polygon nearest_region(std::span<const PlaneSite> sites, std::size_t i, const Polygon& within);
 
 using Segment = std::pair<PlanePoint, PlanePoint>;
 

@@ -16,11 +16,16 @@ namespace {
 
 // Layout [pixels].
 constexpr double width = 660, left = 88, plot_width = 430, graph_height = 190, title_height = 54, line_height = 21;
-constexpr double panel_head = 30, key_height = 24, tics_height = 26, label_height = 24, foot = 14;
+constexpr double panel_head = 36, key_height = 34, tics_height = 26, label_height = 34, foot = 14;
 
-/// From dark to light, so that neighbours differ without colour too. What leaves over the end is a cross.
-constexpr std::array<const char*, 6> slot_colours = {"#16263d", "#c2412d", "#e8a93a", "#2f7f6f", "#7f5aa8", "#8fb8d8"};
-constexpr const char* end_colour = "#8a8a8a";
+/// How the balls of an exit look: dark, middle, light and in shapes of their own, so that they differ without colour.
+struct Mark {
+  const char* colour;
+  int shape;  ///< gnuplot's point type
+};
+constexpr std::array<Mark, 6> slot_marks = {
+    {{"#16263d", 7}, {"#c2412d", 9}, {"#e8a93a", 5}, {"#2f7f6f", 11}, {"#7f5aa8", 13}, {"#8fb8d8", 15}}};
+constexpr Mark end_mark = {"#8a8a8a", 1};
 
 /// A panel from `top` down, and the canvas it is on.
 struct Panel {
@@ -33,9 +38,9 @@ struct Panel {
         left / width, (left + plot_width) / width, 1 - top / canvas, 1 - (top + height) / canvas);
   }
   /// Words above its left corner.
-  std::string title(const std::string& words) const {
+  std::string title(const std::string& words, double above = 12) const {
     return fmt::format("set label 1 {} at screen {:.5f},{:.5f} left\n", single_quoted(words), (left - 60) / width,
-                       1 - (top - 11) / canvas);
+                       1 - (top - above) / canvas);
   }
 };
 
@@ -53,15 +58,16 @@ double shown_turns(const DesignSample& sample) {
 }
 
 /// y_1 and y_2 of S1.
-std::string footprint_marks(const DesignSample& sample) {
+/// @param colour  dark on coloured ground, the page's ink elsewhere
+std::string footprint_marks(const DesignSample& sample, const char* colour) {
   std::string text;
   int tag = 10;
   for (const double y : {sample.footprint_begin_m, sample.footprint_end_m})
     if (y > 0 && y < sample.belt_width_m)
       text += fmt::format(
-          "set arrow {} from {:.9g},graph 0 to {:.9g},graph 1 nohead lw 1.2 dt (6,4) lc rgb '#505050' "
+          "set arrow {} from {:.9g},graph 0 to {:.9g},graph 1 nohead lw 1.2 dt (10,7) lc rgb '{}' "
           "front\n",
-          tag++, y, y);
+          tag++, y, y, colour);
   return text;
 }
 
@@ -86,7 +92,7 @@ std::vector<std::pair<std::size_t, double>> stripes(const DesignSample& sample) 
       s += std::sin(angle);
       ++n;
     }
-    constexpr double least_concentration = 0.4;
+    constexpr double least_concentration = 0.25;
     if (n < 10 || std::hypot(c, s) < least_concentration * n) continue;
     const double angle = std::atan2(s, c);
     found.emplace_back(slot, turn * (angle < 0 ? angle / (2 * std::numbers::pi) + 1 : angle / (2 * std::numbers::pi)));
@@ -94,7 +100,12 @@ std::vector<std::pair<std::size_t, double>> stripes(const DesignSample& sample) 
   return found;
 }
 
-const char* colour_of(std::size_t slot) { return slot_colours[(slot - 1) % slot_colours.size()]; }
+/// @param exit  0 ... num_slots - 1: slots; num_slots: over the end
+std::string look_of(std::size_t exit, const DesignSample& sample, double size) {
+  const bool end = exit == static_cast<std::size_t>(sample.num_slots);
+  const Mark mark = end ? end_mark : slot_marks[exit % slot_marks.size()];
+  return fmt::format("pt {} ps {:.2f} lw {} lc rgb '{}'", mark.shape, size, end ? 1.2 : 1.0, mark.colour);
+}
 
 std::string landings_panel(const DesignSample& sample, const Panel& panel, const SampleLook& look) {
   const double turns = shown_turns(sample), length = sample.strip_length_m * turns / sample.turns;
@@ -106,14 +117,18 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
 
   std::string text = panel.margins();
   text += panel.title(fmt::format("(a) landings on the belt, coloured by slot{}",
-                                  every > 1 ? fmt::format("; one of {} is drawn", every) : ""));
+                                  every > 1 ? fmt::format("; one of {} is drawn", every) : ""),
+                      30);
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, length, 6);
-  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample);
-  text +=
-      fmt::format("set key at screen {:.5f},{:.5f} center center horizontal samplen 0.3 width -1 maxrows 1\n",
-                  (left + 0.5 * plot_width) / width, 1 - (panel.top + panel.height + tics_height + 12) / panel.canvas);
+  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050");
+  // Coloured marks keep a light ground of their own, the key's too.
   if (look.page)
-    text += "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '#f6f6f3' fs solid noborder\n";
+    text += fmt::format(
+        "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '{0}' fs solid noborder\n"
+        "set object 2 rectangle from screen {1:.5f},{2:.5f} to screen {3:.5f},{4:.5f} behind fc rgb '{0}' "
+        "fs solid noborder\n",
+        "#f6f6f3", left / width, 1 - (panel.top + panel.height + tics_height + key_height) / panel.canvas,
+        (left + plot_width) / width, 1 - (panel.top + panel.height + tics_height + 10) / panel.canvas);
   // y_1 and y_2 by name; each stripe with the number of its slot in the margin.
   int tag = 20;
   for (const auto& [name, y] : {std::pair{"y₁", sample.footprint_begin_m}, {"y₂", sample.footprint_end_m}})
@@ -124,37 +139,47 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
       if (const double along = place + k * sample.strip_length_m / sample.turns; along <= length)
         text += fmt::format("set label {} 'slot {}' at graph 1.02,first {:.9g} left\n", tag++, slot, along);
 
+  // Many balls are small dots; few are large enough to show their shapes.
+  const double drawn = static_cast<double>(shown) / static_cast<double>(every);
+  const double size = std::clamp(0.5 * std::sqrt(1400.0 / std::max(1.0, drawn)), 0.2, 0.6);
   const std::vector<std::size_t> counts = counts_by_exit(sample);
   const double all = std::max<double>(1, static_cast<double>(sample.landings.size()));
   std::string plot;
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const bool end = k + 1 == counts.size();
-    const std::string words = end ? "end" : fmt::format("slot {}", k + 1);
-    const std::string look_of_points = end ? fmt::format("pt 1 ps 0.3 lw 0.9 lc rgb '{}'", end_colour)
-                                           : fmt::format("pt 7 ps 0.22 lc rgb '{}'", colour_of(k + 1));
-    // An exit that no ball took has no points; gnuplot would complain.
+    // The key, four in a row.
+    const double column = 0.02 + 0.255 * static_cast<double>(k % 4), row = std::floor(static_cast<double>(k) / 4);
+    text += fmt::format("set label {} '{} {:.0f} %' at screen {:.5f},{:.5f} left point {} offset 1,0{}\n", tag++,
+                        end ? "end" : fmt::format("slot {}", k + 1), 100 * static_cast<double>(counts[k]) / all,
+                        (left + column * plot_width) / width,
+                        1 - (panel.top + panel.height + tics_height + 22 + 18 * row) / panel.canvas,
+                        look_of(k, sample, 1.0), look.page ? " tc rgb '#101010'" : "");
+    // An exit that no ball took has no points, of which gnuplot would complain.
     if (counts[k] > 0)
       plot += fmt::format("{}'landings.csv' skip 1 every {} using ($4=={}?$3:NaN):2 with points {} notitle",
-                          plot.empty() ? "plot " : ", \\\n     ", every, end ? 0 : k + 1, look_of_points);
-    plot += fmt::format("{}keyentry with points {} title '{} {:.0f} %'", plot.empty() ? "plot " : ", \\\n     ",
-                        end ? fmt::format("pt 1 ps 1 lw 1.5 lc rgb '{}'", end_colour)
-                            : fmt::format("pt 7 ps 1 lc rgb '{}'", colour_of(k + 1)),
-                        words, 100 * static_cast<double>(counts[k]) / all);
+                          plot.empty() ? "plot " : ", \\\n     ", every, end ? 0 : k + 1, look_of(k, sample, size));
   }
-  return text + plot + "\nunset key\nunset object\nunset label\nunset arrow\n";
+  if (plot.empty()) plot = "plot NaN notitle";
+  return text + plot + "\nunset object\nunset label\nunset arrow\n";
 }
 
 std::string surface_panel(const DesignSample& sample, const Panel& panel) {
   const double turns = shown_turns(sample);
   std::string text = panel.margins() + panel.title("(b) bed on the belt, toppled to its friction angle");
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, sample.strip_length_m * turns / sample.turns, 6);
-  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample) + pale_viridis;
+  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050") + pale_viridis;
   const std::vector<double>& heights = sample.evaluation.bed.height_m;
   const double highest = 1e3 * *std::max_element(heights.begin(), heights.end());
   text += fmt::format("set cbrange [0:{:.6g}]\nset cblabel 'height (mm)'\n", highest > 0 ? highest : 1.0);
   text += fmt::format("set colorbox user origin {:.5f},{:.5f} size {:.5f},{:.5f}\n", (left + plot_width + 16) / width,
                       1 - (panel.top + panel.height) / panel.canvas, 16 / width, panel.height / panel.canvas);
-  return text + "plot 'surface.csv' skip 1 using 2:1:(1e3*$3) with image notitle\nunset label\nunset arrow\n";
+  // Whole rows, as an SVG does not cut an image at the panel's edge.
+  const BedGrid& grid = sample.evaluation.bed.grid;
+  const double rows = std::round(grid.num_along * turns / sample.turns);
+  return text + fmt::format(
+                    "plot 'surface.csv' skip 1 every ::0::{:.0f} using 2:1:(1e3*$3) with image notitle\n"
+                    "unset label\nunset arrow\n",
+                    rows * grid.num_across - 1);
 }
 
 /// The mean that an even bed would have all over the window of f.
@@ -171,27 +196,27 @@ std::string profile_panel(const DesignSample& sample, const Panel& panel) {
   for (std::size_t i = 0; i < belt.height_m.size(); ++i)
     highest = std::max(
         highest, 1e3 * (belt.height_m[i] + (std::isfinite(sample.sigma_height_m[i]) ? sample.sigma_height_m[i] : 0.0)));
-  const double top = highest > 0 ? 1.2 * highest : 1.0, mean = 1e3 * even_height(sample);
+  const double top = highest > 0 ? 1.3 * highest : 1.0, mean = 1e3 * even_height(sample);
   const double from = sample.footprint_counts ? std::max(0.0, sample.footprint_begin_m) : 0.0;
   const double to =
       sample.footprint_counts ? std::min(sample.belt_width_m, sample.footprint_end_m) : sample.belt_width_m;
   std::string text = panel.margins() + panel.title("(c) height averaged over the turns, ± 1 sigma");
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, top, 5);
-  text += "set ylabel 'height (mm)'\nset xlabel 'across the belt (m)'\n" + footprint_marks(sample);
+  text += "set ylabel 'height (mm)'\nset xlabel 'across the belt (m)'\n" + footprint_marks(sample, "black");
   // The window that counts, and what an even bed would be in it.
   text += fmt::format(
-      "set arrow 20 from {0:.9g},graph 0.93 to {1:.9g},graph 0.93 heads size screen 0.008,90 lw 1.6 lc rgb "
-      "'black'\nset label 20 'window of f' at {2:.9g},graph 0.93 center offset 0,0.6\n",
+      "set arrow 20 from {0:.9g},graph 0.88 to {1:.9g},graph 0.88 heads size screen 0.008,90 lw 1.6 lc rgb "
+      "'black'\nset label 20 'window of f' at {2:.9g},graph 0.88 center offset 0,0.6\n",
       from, to, 0.5 * (from + to));
   text += fmt::format(
-      "set arrow 21 from {0:.9g},{2:.6g} to {1:.9g},{2:.6g} nohead lw 1.6 dt (3,3) lc rgb 'black'\n"
-      "set label 21 'even' at graph 1.02,first {2:.6g} left\n",
+      "set arrow 21 from {0:.9g},{2:.6g} to {1:.9g},{2:.6g} nohead lw 1.4 dt (8,6) lc rgb 'black'\n"
+      "set label 21 'even bed' at graph 1.02,first {2:.6g} left\n",
       from, to, mean);
   return text +
          "plot 'profile.csv' skip 1 using 1:(1e3*($2-$3)):(1e3*($2+$3)) with filledcurves fs solid 0.45 noborder lc "
          "rgb "
          "'#8bb2c1' notitle, \\\n     'profile.csv' skip 1 using 1:(1e3*$2) with linespoints pt 7 ps 0.35 lw 2 lc rgb "
-         "'#31688e' notitle\nunset label\nunset arrow\n";
+         "'#3f87b5' notitle\nunset label\nunset arrow\n";
 }
 
 std::string spectrum_panel(const DesignSample& sample, const Panel& panel) {
@@ -204,11 +229,11 @@ std::string spectrum_panel(const DesignSample& sample, const Panel& panel) {
   text += fmt::format("set xtics {}\nset format x '%.0f'\n", ratios.size() > 12 ? 2 : 1);
   text += "set ylabel '|aₙ| / a₀'\nset xlabel 'mode n'\n";
   text += fmt::format(
-      "set arrow 20 from {:.6g},0.1 to {:.6g},0.1 nohead lw 1.8 dt (8,4) lc rgb 'black'\n"
+      "set arrow 20 from {:.6g},0.1 to {:.6g},0.1 nohead lw 1.8 dt (12,7) lc rgb 'black'\n"
       "set label 20 'a₀/10' at graph 1.02,first 0.1 left\n",
       0.5, last);
   return text +
-         "plot 'spectrum.csv' skip 2 using 1:4 with impulses lw 5 lc rgb '#31688e' notitle\nunset label\nunset arrow\n";
+         "plot 'spectrum.csv' skip 2 using 1:4 with impulses lw 5 lc rgb '#3f87b5' notitle\nunset label\nunset arrow\n";
 }
 
 std::string csv_of_landings(const DesignSample& sample) {
@@ -300,10 +325,10 @@ FigureFiles sample_figure(const DesignSample& sample, const std::string& picture
   const double shown = sample.strip_length_m * shown_turns(sample) / sample.turns;
   const double map_height = plot_width * std::clamp(shown / sample.belt_width_m, 0.4, 1.6);
   // From top to bottom: each panel has its words above and its numbers below.
-  double at = title_height + line_height * static_cast<double>(notes.size()) + panel_head;
+  double at = title_height + line_height * static_cast<double>(notes.size()) + panel_head + 18;
   std::array<Panel, 4> panels{};
   panels[0] = {at, map_height, 0};
-  at += map_height + tics_height + key_height + panel_head;
+  at += map_height + tics_height + panel_head + key_height * std::ceil((static_cast<double>(sample.num_slots) + 1) / 4);
   panels[1] = {at, map_height, 0};
   at += map_height + tics_height + panel_head;
   panels[2] = {at, graph_height, 0};

@@ -75,7 +75,7 @@ TEST(CommandLine, wrong_usage_is_exit_2_and_every_help_has_an_example) {
                                              {"simulate", "x.toml", "-o", "d", "--at", "a,b"},
                                              {"contour", "out"}})
     EXPECT_EQ(drumsweep(folder, words).code, 2);
-  for (const char* command : {"init", "check", "run", "status", "why", "simulate", "contour", "bench"}) {
+  for (const char* command : {"init", "check", "run", "status", "why", "simulate", "contour", "sample", "bench"}) {
     const Finished help = drumsweep(folder, {command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("xample"), std::string::npos) << command << ": " << help.out;
