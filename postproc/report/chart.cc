@@ -67,7 +67,7 @@ ChartAxis axis_over(const std::string& label, const std::vector<double>& values,
   if (!(low <= high)) return {label, 0, 1};
   const bool from_zero = with_zero && low >= 0;
   if (from_zero) low = 0;
-  const double margin = high > low ? 0.05 * (high - low) : std::max(1e-9, 0.1 * std::abs(high));
+  const double margin = high > low ? 0.05 * (high - low) : (high != 0 ? 0.1 * std::abs(high) : 1);
   return {label, from_zero ? 0 : low - margin, high + margin};
 }
 

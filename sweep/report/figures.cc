@@ -98,14 +98,15 @@ std::string scatter_chart(const ReportData& data, std::size_t v) {
   chart.points(untrusted, "b open", "diamond", 3);
   for (std::size_t i = 0; i < data.answer.at.size(); ++i)
     if (data.answer.at[i].first == data.table.variable_names[v]) {
-      chart.rule(data.answer.at[i].second, "optimum", "dash", true);
+      chart.rule(data.answer.at[i].second, data.answer.kind == Answer::Kind::single_run ? "lowest" : "optimum", "dash",
+                 true);
       if (!data.answer.region_95.empty()) {
         const auto [low, high] = data.answer.region_95[i];
         chart.stripe(low, high, "95 %", true);
       }
     }
-  return figure(chart.svg(),
-                fmt::format("Every run over the {}; shaded: holds the optimum with 95 %.", escaped(label)));
+  return figure(chart.svg(), fmt::format("Every run over the {}{}.", escaped(label),
+                                         data.answer.region_95.empty() ? "" : "; shaded: holds the optimum with 95 %"));
 }
 
 }  // namespace
@@ -210,7 +211,8 @@ std::string samples_html(ReportData& data) {
                     millimetres(detail.row.f_m, detail.row.sigma_f_m)),
         data);
   }
-  return "<p>The designs nearest to the points of the paper’s Table 1 (within 0.01 and 3 mm), as in its Figure 9.</p>\n"
+  return "<p>The designs nearest to the points of the paper’s Table 1 (within 0.01 of its angle and 3 mm of its base "
+         "width), as in its Figure 9.</p>\n"
          "<div class=\"figures\">\n" +
          html + "</div>\n";
 }

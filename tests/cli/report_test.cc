@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "cli/mini_json.h"
@@ -57,30 +58,29 @@ double busy_share(const std::string& png) {
 /// A page around the report: opens it in a frame of that width, clicks twice on the name of the column `f`, points at a
 /// mark of a figure, and says what it found.
 std::string probe_page(int width) {
-  return replaced(
-      R"(<!DOCTYPE html><meta charset="utf-8"><iframe id="f" src="report.html" style="width:WIDTHpx;height:900px;border:0"></iframe>
-<pre id="out"></pre><script>
-const frame = document.getElementById("f");
+  const std::string page = R"html(<!DOCTYPE html><meta charset="utf-8">
+<iframe id="frame" src="report.html" style="width:WIDTHpx;height:900px;border:0"></iframe><pre id="out"></pre><script>
+const frame = document.getElementById("frame");
 frame.onload = () => {
   const page = frame.contentDocument, table = page.querySelector("table.sortable");
   const heads = [...table.tHead.rows[0].cells], column = heads.findIndex((h) => h.textContent.trim() === "f (mm)");
-  const values = () = > [... table.tBodies[0].rows].map((r) = > r.cells[column].textContent);
-  const out = {column, before : values()};
+  const values = () => [...table.tBodies[0].rows].map((r) => r.cells[column].textContent);
+  const out = {};
   heads[column].querySelector("button").click();
   out.up = values();
   out.sort = heads[column].getAttribute("aria-sort");
   heads[column].querySelector("button").click();
   out.down = values();
   const mark = page.querySelector("svg.chart [data-tip]");
-  mark.dispatchEvent(new PointerEvent("pointermove", {bubbles : true, clientX : 50, clientY : 50}));
+  mark.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", {bubbles: true, clientX: 50, clientY: 50}));
   out.tip = page.getElementById("tip").textContent;
   out.overflow = page.documentElement.scrollWidth - frame.clientWidth;
   out.paper = frame.contentWindow.getComputedStyle(page.body).backgroundColor;
   out.ink = frame.contentWindow.getComputedStyle(page.body).color;
   document.getElementById("out").textContent = JSON.stringify(out);
 };
-</script>)",
-                  "WIDTH", std::to_string(width));
+</script>)html";
+  return replaced(page, "WIDTH", std::to_string(width));
 }
 
 Json probed(const TestFolder& folder, int width, const std::vector<std::string>& options) {
