@@ -116,6 +116,7 @@ std::string html_of(const HtmlTable& table) {
       const HtmlCell& cell = table.rows[i][j];
       body += "<td";
       if (table.columns.at(j).number) body += " class=\"n\"";
+      if (table.columns[j].wraps && !cell.text.empty()) body += " class=\"w\"";
       if (table.sortable && !cell.sort_key.empty()) body += fmt::format(" data-v=\"{}\"", escaped(cell.sort_key));
       body += fmt::format(">{}</td>", cell.text);
     }

@@ -40,6 +40,7 @@ std::string figure(const std::string& content, const std::string& caption, bool 
 struct HtmlColumn {
   std::string title;    ///< plain text, with unit
   bool number = false;  ///< right-aligned and sorted by value
+  bool wraps = false;   ///< long text
 };
 struct HtmlCell {
   std::string text;      ///< HTML

@@ -117,7 +117,7 @@ std::string asked_html(const ReportData& data) {
                   plain(s.record.adapt_turns), plain(s.record.turns), plain(s.record.turns * turn_s, 3)));
   facts.emplace_back("objective", objective_words(s));
 
-  HtmlTable stages{{{"stage"}, {"type"}, {"searches"}, {"designs", true}, {"ended", true}}, {}, false, 0};
+  HtmlTable stages{{{"stage"}, {"type"}, {"searches", false, true}, {"designs", true}, {"ended", true}}, {}, false, 0};
   for (std::size_t i = 0; i < s.stages.size(); ++i)
     stages.rows.push_back({{escaped(s.stages[i].name), ""},
                            {escaped(s.stages[i].type), ""},

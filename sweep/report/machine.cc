@@ -32,9 +32,9 @@ std::string picture_html(ReportData& data) {
     options.height = 700;
     write_picture(DrumModel(data.study, warmup_outlet(data.study)), data.warm->state, options, path);
     const std::string caption = fmt::format(
-        "The drum after its warm-up, cut open on the near side: {} balls, coloured by speed, dark slow and "
+        "The drum {}, cut open on the near side: {} balls, coloured by speed, dark slow and "
         "light fast (up to 1.5 times the wall’s).",
-        data.warm->state.balls.size());
+        data.warm->finished ? "after its warm-up" : "as far as its warm-up has got", data.warm->state.balls.size());
     return figure(
         fmt::format("<img alt=\"Rendered picture of the drum and its balls\" width=\"{}\" height=\"{}\" src=\"{}\">",
                     options.width, options.height, data_url(read_whole_file(path), "image/png")),
@@ -79,9 +79,10 @@ std::string steadiness_html(const ReportData& data) {
   const double miss = last.fed > 0 ? 100 * (static_cast<double>(last.left) / static_cast<double>(last.fed) - 1) : 0;
   const std::string verdict =
       warm.steady ? fmt::format(
-                        "<b class=\"pass\">The drum is steady</b>: in {} windows of {} turns in a row as many balls "
+                        "<b class=\"pass\">The drum is steady</b>: in {} of {} turns in a row as many balls "
                         "left as were fed, within {} % (last: {:+.1f} %)",
-                        w.windows, plain(w.window_turns), plain(100 * w.tolerance), miss)
+                        counted(static_cast<std::size_t>(w.windows), "window"), plain(w.window_turns),
+                        plain(100 * w.tolerance), miss)
       : warm.finished ? fmt::format(
                             "<b class=\"fail\">The drum was not steady</b> when its warm-up ended at {} turns (last "
                             "window: {:+.1f} %), so no result is to be trusted",

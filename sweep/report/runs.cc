@@ -233,7 +233,7 @@ std::string trouble_html(const ReportData& data) {
     if (row.state != "done")
       reasons[row.state + ": " + (row.reason.empty() ? "no reason stored" : row.reason)].push_back(&row);
   if (reasons.empty()) return "<p>None: every design that has ended has a result to be trusted.</p>\n";
-  HtmlTable table{{{"what"}, {"designs", true}, {"which"}}, {}, false, 0};
+  HtmlTable table{{{"what", false, true}, {"designs", true}, {"which", false, true}}, {}, false, 0};
   constexpr std::size_t most_named = 8, most_reasons = 100;
   for (const auto& [reason, rows] : reasons) {
     if (table.rows.size() == most_reasons) break;
@@ -297,7 +297,7 @@ std::string designs_html(const ReportData& data) {
   for (const char* title : {"f (mm)", "σ (mm)", "f, footprint (mm)", "largest mode / mean", "mean height (mm)",
                             "landed", "residual (mm/s)"})
     table.columns.push_back({title, true});
-  table.columns.push_back({"reason"});
+  table.columns.push_back({"reason", false, true});
 
   // Lowest f first; without a value last.
   std::vector<std::size_t> order;

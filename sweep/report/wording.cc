@@ -25,15 +25,15 @@ std::string plain(double value, int digits) {
 }
 
 std::string with_unit(double value, const std::string& unit, int digits) {
-  return plain(value, digits) + (unit.empty() ? "" : unit == "°" ? unit : " " + unit);
+  return plain(value, digits) + (unit.empty() ? "" : unit == "°" ? unit : "\u00a0" + unit);
 }
 
 std::string millimetres(double value_m, double sigma_m) {
   const double value = 1000 * value_m, sigma = 1000 * sigma_m;
   if (!std::isfinite(value)) return "–";
-  if (!(sigma > 0)) return plain(value, 4) + " mm";
+  if (!(sigma > 0)) return plain(value, 4) + "\u00a0mm";
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
-  return fmt::format("{:.{}f} ± {:.{}f} mm", value, decimals, sigma, decimals);
+  return fmt::format("{:.{}f} ± {:.{}f}\u00a0mm", value, decimals, sigma, decimals);
 }
 
 std::string place_text(const std::vector<std::pair<std::string, double>>& at) {

@@ -162,6 +162,11 @@ TEST(Report, wrong_use_is_exit_2) {
   EXPECT_EQ(drumsweep(folder, {"report", "nowhere", "-o", "r.html"}).code, 2);
   EXPECT_EQ(drumsweep(folder, {"report", ".", "-o", "r.pdf"}).code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder / "r.html"));
+  for (const char* command : {"report", "rescore"}) {
+    const Finished help = drumsweep(folder, {command, "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.out.find(std::string("  drumsweep ") + command + " out"), std::string::npos) << help.out;
+  }
 }
 
 TEST(Rescore, several_belt_speeds_give_a_table_and_a_line_each) {
@@ -186,7 +191,7 @@ TEST(Rescore, several_belt_speeds_give_a_table_and_a_line_each) {
 
 TEST(Rescore, values_that_make_no_sense_are_exit_2_with_key_value_and_range) {
   const TestFolder folder;
-  write_text(folder / "study.toml", tiny_study(2, 1));
+  write_text(folder / "study.toml", tiny_study());
   ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
   struct Case {
     std::vector<std::string> options, words;
