@@ -196,10 +196,11 @@ std::string answer_html(ReportData& data) {
       millimetres(o.f_belt_m, o.sigma_f_belt_m), millimetres(o.f_footprint_m, o.sigma_f_footprint_m),
       millimetres(o.mean_height_m, 0), o.landed,
       o.spilled > 0 ? fmt::format(", {} fell past the belt’s open edge", o.spilled) : "");
-  html += "<div class=\"figures\">\n" +
+  html += "<div class=\"figures best\">\n<div class=\"pair\">\n" + profile_chart(*data.best) +
+          spectrum_chart(*data.best) + "</div>\n" +
           sample_html(*data.best, "best-", "Where its balls landed, the bed they made, its profile and its spectrum.",
                       data) +
-          "<div>\n" + profile_chart(*data.best) + spectrum_chart(*data.best) + "</div>\n</div>\n";
+          "</div>\n";
   return html;
 }
 
