@@ -45,6 +45,8 @@ bool is_figure(const std::string& file) {
 }
 
 void contour(Options options) {
+  if (options.contour.matrix && std::filesystem::path(options.file).extension() != ".csv")
+    throw InputError(fmt::format("--matrix: makes a table, {} is to be a figure; accepted: .csv", options.file));
   const OutputPaths paths{options.folder};
   const Study study = read_frozen_study(options.folder);
   options.contour.title = study.name;

@@ -18,12 +18,12 @@ struct ContourFit {
   /// False: it is not to be trusted. Then nothing of it is drawn, and `verdict` is on the figure.
   bool usable = false;
   std::string verdict;  ///< one sentence
-  /// Designs it was fitted to, and all that have a value: large sweeps are fitted where f is low only.
+  /// Designs it was fitted to, and all that have a value: of large sweeps only some, spread evenly, are fitted.
   std::size_t num_fitted = 0, num_designs = 0;
 
   /// Mesh in the plane; y is one value where f is drawn over x alone.
   std::vector<double> x, y;
-  std::vector<double> value_m;  ///< (num_y x num_x), x fastest; NaN where no fitted design is the nearest one
+  std::vector<double> value_m;  ///< (num_y x num_x), x fastest; NaN where it knows nothing
   std::vector<double> sigma_m;  ///< its standard error, over x alone; empty for a plane
 
   /// The lowest point of the fit over all variables.

@@ -87,16 +87,26 @@ class Gatherer {
     samples_[row.stage].push_back({p, has_value ? f_mm : std::nan("")});
     if (!has_value) return content_.failed.push_back(p);
     const double sigma_mm = 1e3 * (options_.value == "f_footprint_m" ? row.sigma_f_footprint_m : row.sigma_f_m);
-    const ContourDesign design{p, f_mm, std::isfinite(sigma_mm) ? sigma_mm : 0.0, row.state == "done"};
+    const ContourDesign design{p, f_mm, std::isfinite(sigma_mm) ? sigma_mm : 0.0, is_trusted(row)};
     content_.low_mm = std::min(content_.low_mm, f_mm);
     content_.high_mm = std::max(content_.high_mm, f_mm);
     if (design.trusted && (!content_.best || f_mm < content_.best->f_mm)) content_.best = design;
     stage->designs.push_back(design);
   }
 
+  /// As for f itself (sweep/store/results.h): 0 means that nothing landed in the window.
+  bool is_trusted(const ResultRow& row) const {
+    return row.state == "done" && (options_.value != "f_footprint_m" || row.f_footprint_m > 0);
+  }
+
   /// Coarse stages first; scattered designs (a refinement) have no map and go on top of everything.
   void order_stages() {
-    for (ContourStage& stage : content_.stages) stage.surface = grid_surface(samples_[stage.name]);
+    for (ContourStage& stage : content_.stages) {
+      stage.surface = grid_surface(samples_[stage.name]);
+      // Steps of a search share a coordinate here and there; that makes no grid of them.
+      const std::size_t nodes = stage.surface.x.size() * stage.surface.y.size();
+      if (2 * samples_[stage.name].size() < nodes) stage.surface = {};
+    }
     std::erase_if(content_.stages, [](const ContourStage& stage) { return stage.designs.empty(); });
     std::stable_sort(content_.stages.begin(), content_.stages.end(), [](const ContourStage& a, const ContourStage& b) {
       const auto key = [](const ContourStage& stage) {

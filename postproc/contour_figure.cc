@@ -195,12 +195,11 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
   if (options.fit && fit == nullptr) {
     notes.push_back(fmt::format("no fit is drawn, as none is to be trusted: {}", options.fit->verdict));
   } else if (fit != nullptr && content.fit_is_drawn && fit->num_fitted < fit->num_designs) {
-    notes.push_back(
-        fmt::format("the fit is of the {} of {} designs with the lowest f and drawn where these are the "
-                    "nearest{}",
-                    fit->num_fitted, fit->num_designs,
-                    content.interpolation_is_drawn ? "; elsewhere: linear between neighbours" : ""));
+    notes.push_back(fmt::format("the fit is of {} of {} designs, spread evenly", fit->num_fitted, fit->num_designs));
   }
+  if (content.interpolation_is_drawn)
+    notes.push_back(content.fit_is_drawn ? "outside the ranges of the fit: linear between neighbouring designs"
+                                         : "map: linear between neighbouring designs");
   const double tolerance_mm = 1e3 * options.tolerance_m;
   if (content.low_mm > tolerance_mm)
     notes.push_back(fmt::format("f is above the tolerance of {:.4g} mm everywhere", tolerance_mm));
@@ -228,7 +227,9 @@ void draw_designs_that_matter(Script& script, std::string& data, const ContourCo
   if (!failed.empty()) {
     begin_block(data, "failed");
     data += failed;
-    script.draw("failed", "using 1:2 with points pt 2 ps 1.2 lw 2.2 lc rgb 'black'",
+    const bool many = content.failed.size() > 40;
+    script.draw("failed",
+                fmt::format("using 1:2 with points pt 2 {} lc rgb 'black'", many ? "ps 0.5 lw 1.2" : "ps 1.2 lw 2.2"),
                 fmt::format("no result, hatched ({})", content.failed.size()));
   }
   if (content.best) {
@@ -247,6 +248,14 @@ void draw_levels(Script& script, std::string& data, const ContourContent& conten
   for (const ContourStage& stage : content.stages)
     for (const ContourDesign& design : stage.designs) symbols.push_back(frame.pixels(design.at));
   for (const PlanePoint& failed : content.failed) symbols.push_back(frame.pixels(failed));
+  // The edge of the region, in steps closer than a label is long.
+  for (std::size_t k = 0; k < content.region.size(); ++k) {
+    const PlanePoint from = frame.pixels(content.region[k]);
+    const PlanePoint to = frame.pixels(content.region[(k + 1) % content.region.size()]);
+    const double steps = std::ceil(std::hypot(to.x - from.x, to.y - from.y) / 12.0);
+    for (double step = 0; step < steps; ++step)
+      symbols.push_back({from.x + step / steps * (to.x - from.x), from.y + step / steps * (to.y - from.y)});
+  }
   LabelPlacer placer(frame, symbols);
   const auto labelled_lines = [&](double level) {
     std::vector<std::vector<PlanePoint>> pieces;
@@ -335,6 +344,16 @@ void draw_frames(Script& script, std::string& data, const ContourContent& conten
   script.draw("frames", "using 1:2 with lines lw 1 dt (6,4) lc rgb '#404040'");
 }
 
+/// The edge of what was sampled; it also hides the steps of the raster.
+void draw_hull(Script& script, std::string& data, const ContourContent& content) {
+  if (content.hull.size() < 3) return;
+  std::vector<PlanePoint> closed = content.hull;
+  closed.push_back(closed.front());
+  begin_block(data, "hull");
+  add_lines(data, {closed});
+  script.draw("hull", "using 1:2 with lines lw 1.8 lc rgb '#8a8a8a'");
+}
+
 void draw_stages(Script& script, std::string& data, const ContourContent& content) {
   if (!content.elsewhere.empty()) {
     begin_block(data, "elsewhere");
@@ -365,21 +384,23 @@ void draw_stages(Script& script, std::string& data, const ContourContent& conten
   }
 }
 
-void draw_region(Script& script, std::string& data, const ContourContent& content, const ContourFit& fit,
-                 const ResultTable& table, const ContourAxes& axes) {
-  if (!fit.optimum) return;
-  if (content.region.size() > 1) {
-    std::vector<PlanePoint> closed = content.region;
-    closed.push_back(closed.front());
-    begin_block(data, "region");
-    add_lines(data, {closed});
-    script.draw("region", "using 1:2 with lines lw 4.5 lc rgb 'white'");
-    script.draw("region", fmt::format("using 1:2 with lines lw 2 dt (12,6) lc rgb '{}'", on_map));
-  }
+/// Where the optimum lies with 95 %; under the designs.
+void draw_region(Script& script, std::string& data, const ContourContent& content) {
+  if (content.region.size() < 2) return;
+  std::vector<PlanePoint> closed = content.region;
+  closed.push_back(closed.front());
+  begin_block(data, "region");
+  add_lines(data, {closed});
+  script.draw("region", "using 1:2 with lines lw 4.5 lc rgb 'white'");
+  script.draw("region", fmt::format("using 1:2 with lines lw 2 dt (12,6) lc rgb '{}'", on_map));
+}
+
+void draw_optimum(Script& script, std::string& data, const ContourContent& content, const ContourFit::Optimum& optimum,
+                  const ResultTable& table, const ContourAxes& axes) {
   const auto coordinate = [&](std::size_t variable) {
-    const auto& names = fit.optimum->variables;
+    const auto& names = optimum.variables;
     const auto found = std::find(names.begin(), names.end(), table.variable_names[variable]);
-    return found == names.end() ? std::nan("") : fit.optimum->at[static_cast<std::size_t>(found - names.begin())];
+    return found == names.end() ? std::nan("") : optimum.at[static_cast<std::size_t>(found - names.begin())];
   };
   const double x = coordinate(axes.x), y = coordinate(*axes.y);
   if (!std::isfinite(x) || !std::isfinite(y)) return;
@@ -412,10 +433,13 @@ FigureFiles map_figure(const ResultTable& table, const ContourOptions& options, 
   }
   if (content.raster.size > 0) {
     if (!content.fit_is_drawn) draw_frames(script, data, content);
+    if (content.fit_is_drawn) draw_hull(script, data, content);
     draw_levels(script, data, content, levels, frame, tolerance_mm, tolerance_crossed, font_size(picture_name, 9));
   }
+  draw_region(script, data, content);
   draw_stages(script, data, content);
-  if (const ContourFit* fit = usable_fit(options)) draw_region(script, data, content, *fit, table, axes);
+  if (const ContourFit* fit = usable_fit(options); fit != nullptr && fit->optimum)
+    draw_optimum(script, data, content, *fit->optimum, table, axes);
   draw_designs_that_matter(script, data, content, true, 0.0);
   return {script.finished(), {{data_name, data}}};
 }

@@ -116,8 +116,9 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
       look.most_landings == 0 ? 1 : std::max<std::size_t>(1, (shown + look.most_landings - 1) / look.most_landings);
 
   std::string text = panel.margins();
-  text += panel.title(fmt::format("(a) landings on the belt, coloured by slot{}",
-                                  every > 1 ? fmt::format("; one of {} is drawn", every) : ""),
+  text += panel.title(fmt::format("(a) landings by slot{}{}",
+                                  turns < sample.turns ? fmt::format("; {:g} of {:g} turns", turns, sample.turns) : "",
+                                  every > 1 ? fmt::format("; one ball of {} is drawn", every) : ""),
                       30);
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, length, 6);
   text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050");

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/config/schema.h"
+#include "sweep/farm/casualties.h"
 #include "sweep/find_design.h"
 #include "sweep/status.h"
 #include "sweep/store/recordings.h"
@@ -70,7 +71,8 @@ void look_up_result(const OutputPaths& paths, const Study& study, RecordingIndex
   if (recordings.has_recording(design.id))
     story.retry = story.state == "done" ? "" : "its landings are stored; other settings need another output folder";
   else
-    story.retry = fmt::format("delete {} and run the same command again", paths.failure(design.id));
+    story.retry = fmt::format("run the same command again with --retry {}",
+                              story.reason.rfind(quarantined, 0) == 0 ? "lost" : "failed");
 }
 
 }  // namespace

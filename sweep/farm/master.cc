@@ -1,13 +1,11 @@
-/// Rank 0.
+/// Rank 0: who does what, when to stop, what to say. What is wanted and what is stored: agenda.h.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <deque>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <type_traits>
 #include <utility>
 
@@ -17,18 +15,13 @@
 #include "core/parallel/parallel_for.h"
 #include "core/scene/cpu_clock.h"
 #include "postproc/objective.h"
-#include "sweep/farm/casualties.h"
-#include "sweep/farm/checkpoint.h"
+#include "sweep/farm/agenda.h"
 #include "sweep/farm/design_run.h"
 #include "sweep/farm/roll_call.h"
 #include "sweep/plan/findings.h"
-#include "sweep/plan/planner.h"
 #include "sweep/progress.h"
 #include "sweep/stop.h"
 #include "sweep/store/provenance.h"
-#include "sweep/store/recordings.h"
-#include "sweep/store/results.h"
-#include "sweep/store/results_image.h"
 #include "sweep/store/store.h"
 #include "sweep/sweep.h"
 
@@ -43,8 +36,6 @@ double seconds_since(Clock::time_point t) { return std::chrono::duration<double>
 constexpr double patience_s = 10.0;
 /// A recording that another rank has just written must show up here within this time (network file systems are late).
 constexpr double visibility_s = 30.0;
-/// The table in the folder is at most this old while designs come in.
-constexpr double table_interval_s = 10.0;
 /// Above this many ranks rank 0 only serves, unless told otherwise.
 constexpr int most_ranks_of_a_working_master = 32;
 /// Looking at all ranks costs microseconds each.
@@ -60,14 +51,9 @@ class Master {
   Master(Farm& farm, const Study& study, const std::string& folder, const SweepOptions& options)
       : farm_(farm),
         study_(study),
-        planner_(study),
         options_(options),
-        store_(folder, study),
-        recordings_(store_.paths()),
+        agenda_(study, folder, reporter_),
         roll_(farm.size(), options.silence_s, farm.host()) {
-    reporter_.log_to(store_.paths().log());
-    provenance_.emplace(store_.paths().provenance());
-    casualties_.emplace(store_.paths(), study_, *provenance_);
     busy_.resize(static_cast<std::size_t>(farm.size()));
     dedicated_ = farm.size() > 1 && options.dedicated_master.value_or(farm.size() > most_ranks_of_a_working_master);
     if (options.stop_before_s)
@@ -77,10 +63,9 @@ class Master {
 
   SweepOutcome run() {
     reporter_.info(fmt::format("drumsweep {}: {} designs{} on {} rank{}, into {}", DRUMSWEEP_VERSION,
-                               plan().designs.size(),
-                               planner_.complete() ? "" : " and those that searches will ask for", farm_.size(),
-                               farm_.size() == 1 ? "" : "s", store_.paths().folder));
-    for (const std::string& note : store_.notes()) reporter_.warn(note);
+                               plan().designs.size(), agenda_.complete() ? "" : " and those that searches will ask for",
+                               farm_.size(), farm_.size() == 1 ? "" : "s", agenda_.paths().folder));
+    for (const std::string& note : agenda_.store().notes()) reporter_.warn(note);
     if (options_.dedicated_master.value_or(false) && !dedicated_)
       reporter_.warn("--dedicated-master: this rank is the only one, so it works too");
     const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
@@ -89,12 +74,12 @@ class Master {
           "--survive: mpirun was started without --enable-recovery --mca orte_abort_on_non_zero_status 0: it will end "
           "the job when a rank dies");
     try {
-      settle_the_past();
-      farm_.send_all(Tag::study, store_.paths().folder + "\n" + write_study(study_, false));
+      agenda_.settle_the_past(options_.retry_failed, options_.retry_lost);
+      farm_.send_all(Tag::study, agenda_.paths().folder + "\n" + write_study(study_, false));
       const std::string warm_bytes = make_warm_drum();
-      if (!stopping()) take_stock();
-      write_tables();
-      if (!stopping() && !pending_.empty()) {
+      if (!stopping()) agenda_.take_stock(steady_, go_on());
+      agenda_.write_tables();
+      if (!stopping() && agenda_.has_pending()) {
         // A broadcast would wait for the dead.
         farm_.send_all(Tag::warm, std::to_string(options_.survive ? 0 : warm_bytes.size()));
         std::string bytes = warm_bytes;
@@ -113,7 +98,7 @@ class Master {
 
   /// Makes or completes the warm drum; returns its file, which all ranks start from.
   std::string make_warm_drum() {
-    const std::string path = store_.paths().warm_state();
+    const std::string path = agenda_.paths().warm_state();
     WarmState warm;
     std::string bytes;
     try {
@@ -165,113 +150,17 @@ class Master {
     });
     // Stopped inside a window; or a cap of no turns at all, which ends without any.
     if (!ended || warm.windows.empty()) save(warm);
-    provenance_->add({"warm_up", "", 1, 0, farm_.host(), seconds_since(begin),
-                      cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin, "", ""});
+    agenda_.provenance().add({"warm_up", "", 1, 0, farm_.host(), seconds_since(begin),
+                              cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin, "", ""});
     if (ended && warm.steady)
       reporter_.info(fmt::format("warm-up: steady after {} turns with {} balls inside", warm.windows.back().turns_end,
                                  warm.state.balls.size()));
     return ended;
   }
 
-  // --- what is there, what is missing
+  const Plan& plan() const { return agenda_.plan(); }
 
-  const Plan& plan() const { return planner_.plan(); }
-
-  void take_stock() {
-    known_ = KnownRows(store_.paths().results_image(), study_, steady_);
-    known_.confirm(recordings_, study_, plan(), steady_);
-    // What is stored may let searches ask for more, which may be stored too.
-    do look_up_new_designs();
-    while (!stopping() && pending_.empty() && extend_plan());
-    stocked_ = !stopping();
-    if (const std::size_t stored = num_rows_; stored > 0)
-      reporter_.info(fmt::format("{} of {} designs are there already", stored, plan().designs.size()));
-  }
-
-  RowOf row_of() const {
-    return [this](const PlannedDesign& design) {
-      const std::size_t i = plan().index_of_id.at(design.id);
-      return i < rows_.size() && rows_[i] ? &*rows_[i] : nullptr;
-    };
-  }
-
-  /// Lets searches ask for designs, and says what they have decided. True when there is something new.
-  bool extend_plan() {
-    std::vector<std::size_t> num_notes;
-    for (const StageSummary& stage : plan().stages) num_notes.push_back(stage.notes.size());
-    const bool grown = planner_.extend(row_of());
-    for (std::size_t s = 0; s < num_notes.size(); ++s)
-      for (std::size_t n = num_notes[s]; n < plan().stages[s].notes.size(); ++n)
-        reporter_.info(fmt::format("stage \"{}\": {}", plan().stages[s].name, plan().stages[s].notes[n]));
-    return grown;
-  }
-
-  /// Rows of designs that the plan has got since the last call, or a place among the pending ones.
-  void look_up_new_designs() {
-    std::size_t i = rows_.size();
-    rows_.resize(plan().designs.size());
-    for (; i < rows_.size() && !stopping(); ++i) {
-      const PlannedDesign& design = plan().designs[i];
-      if (!design.impossible.empty()) {
-        set_row(i, failed_row(design, design.impossible));
-      } else if (!load_row(i) && !in_quarantine(i)) {
-        pending_.push_back(i);
-      } else if (rows_[i]->state == "failed" && recordings_.has_failure(design.id)) {
-        reporter_.info(fmt::format("design {} has failed before ({}); --retry {} has it tried again", design.id,
-                                   rows_[i]->reason, rows_[i]->reason.rfind(quarantined, 0) == 0 ? "lost" : "failed"));
-      }
-      poll_ranks();
-    }
-    put_suspects_last();
-  }
-
-  void set_row(std::size_t i, ResultRow row) {
-    num_rows_ += rows_[i] ? 0 : 1;
-    rows_[i] = std::move(row);
-  }
-
-  /// Row of a stored design; false when nothing usable is stored. What a damaged pack still has is found at the second
-  /// look.
-  bool load_row(std::size_t i) {
-    const PlannedDesign& design = plan().designs[i];
-    for (int look = 0; look < 2 && !rows_[i]; ++look) {
-      try {
-        if (std::optional<ResultRow> row = stored_row(recordings_, known_, study_, design, steady_))
-          set_row(i, std::move(*row));
-        break;
-      } catch (const StoreError& error) {
-        reporter_.warn(recordings_.set_aside(design.id, error.what()));
-      }
-    }
-    return rows_[i].has_value();
-  }
-
-  // --- designs that die with their process
-
-  void settle_the_past() {
-    for (const std::string& note : casualties_->settle_last_run()) reporter_.warn(note);
-    for (const std::string& note : casualties_->retry(options_.retry_failed, options_.retry_lost)) reporter_.info(note);
-    remove_stale_checkpoints(store_.paths());
-    recordings_ = RecordingIndex(store_.paths());
-  }
-
-  /// Whether this design has killed its process too often; it has its row then.
-  bool in_quarantine(std::size_t i) {
-    const std::optional<std::string> reason = casualties_->judge(plan().designs[i]);
-    if (!reason) return false;
-    reporter_.warn(fmt::format("design {} is {}; its input: {}/{}.toml", plan().designs[i].id, *reason,
-                               store_.paths().quarantine(), plan().designs[i].id));
-    recordings_.look_again(plan().designs[i].id);
-    return load_row(i);
-  }
-
-  /// So that all others are done before one of them can end the job again.
-  void put_suspects_last() {
-    std::map<std::size_t, int> suspicion;
-    for (const std::size_t index : pending_) suspicion[index] = casualties_->suspicion(plan().designs[index].id);
-    std::stable_sort(pending_.begin(), pending_.end(),
-                     [&](std::size_t a, std::size_t b) { return suspicion[a] < suspicion[b]; });
-  }
+  // --- who is there
 
   /// With --survive: ranks that are no more there.
   void call_the_roll() {
@@ -295,11 +184,7 @@ class Master {
     at.reset();
     --num_busy_;
     flush();
-    reporter_.warn(casualties_->bury(plan().designs[index], rank));
-    recordings_.look_again(plan().designs[index].id);
-    if (recordings_.has_recording(plan().designs[index].id) && load_row(index)) return;
-    if (in_quarantine(index)) return;
-    pending_.push_back(index);
+    if (!agenda_.bury(index, rank)) return;
     give_to_idle_ranks();
     flush();
   }
@@ -310,11 +195,11 @@ class Master {
     note_begin();
     give_to_idle_ranks();
     flush();
-    while (!stopping() && (!pending_.empty() || num_busy_ > 0)) {
-      if (!pending_.empty() && !dedicated_) {
+    while (!stopping() && (agenda_.has_pending() || num_busy_ > 0)) {
+      if (agenda_.has_pending() && !dedicated_) {
         simulate_one();
       } else {
-        if (!pending_.empty() && num_dead_ == farm_.size() - 1) return stop("all other ranks have died");
+        if (agenda_.has_pending() && num_dead_ == farm_.size() - 1) return stop("all other ranks have died");
         poll_ranks();
         reporter_.update_waiting(counts());
         tell_status("waiting for other ranks");
@@ -324,33 +209,27 @@ class Master {
   }
 
   void give_to_idle_ranks() {
-    for (int rank = 1; rank < farm_.size() && !pending_.empty(); ++rank)
+    for (int rank = 1; rank < farm_.size() && agenda_.has_pending(); ++rank)
       if (roll_.listed(rank) && !busy_[static_cast<std::size_t>(rank)]) give(rank);
   }
 
   /// After a result: searches may ask for more, as soon as a rank would have nothing to do.
   void refill() {
-    bool grown = false;
-    while (!stopping() && pending_.empty() && extend_plan()) {
-      look_up_new_designs();
-      grown = true;
-    }
-    if (grown) replace(store_.paths().findings(), to_toml(plan(), std::nullopt));  // for `status`
+    if (!stopping()) agenda_.refill(go_on());
     give_to_idle_ranks();
   }
 
   /// Gives the next design to a rank, which hears of it in flush().
   std::optional<std::size_t> give(int rank) {
-    if (pending_.empty() || stopping()) return std::nullopt;
-    const std::size_t index = pending_.front();
-    const PlannedDesign& design = plan().designs[index];
-    const std::string& id = design.id;
-    const int attempt = provenance_->attempts(id) + 1;
-    lines_.push_back({"started", id, attempt, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
-    pending_.pop_front();
+    if (stopping()) return std::nullopt;
+    const std::optional<std::size_t> index = agenda_.take();
+    if (!index) return std::nullopt;
+    const PlannedDesign& design = plan().designs[*index];
+    const int attempt = agenda_.provenance().attempts(design.id) + 1;
+    lines_.push_back({"started", design.id, attempt, rank, rank == 0 ? farm_.host() : "", 0, 0, "", ""});
     busy_[static_cast<std::size_t>(rank)] = index;
     ++num_busy_;
-    if (rank != 0) orders_.emplace_back(rank, pack_assignment({index, attempt, design}));
+    if (rank != 0) orders_.emplace_back(rank, pack_assignment({*index, attempt, design}));
     return index;
   }
 
@@ -358,7 +237,7 @@ class Master {
   void flush() {
     // Taken before the write: an order whose line did not become durable must never go out.
     const auto orders = std::exchange(orders_, {});
-    if (!lines_.empty()) provenance_->add(std::exchange(lines_, {}));
+    if (!lines_.empty()) agenda_.provenance().add(std::exchange(lines_, {}));
     for (const auto& [rank, order] : orders) farm_.send(rank, Tag::design, order);
   }
 
@@ -367,9 +246,9 @@ class Master {
     if (!index) return;
     flush();
     const PlannedDesign design = plan().designs[*index];  // a copy: the plan may grow meanwhile
-    const RunHow how{options_.threads, provenance_->attempts(design.id), options_.checkpoint_interval_s};
+    const RunHow how{options_.threads, agenda_.provenance().attempts(design.id), options_.checkpoint_interval_s};
     const DesignOutcome outcome = observed([&](const Observer& observer) {
-      return simulate_and_store(store_.paths(), study_, warm_, design, *index, farm_.host(), observer, how);
+      return simulate_and_store(agenda_.paths(), study_, warm_, design, *index, farm_.host(), observer, how);
     });
     accept(0, outcome);
     refill();
@@ -396,6 +275,14 @@ class Master {
     auto result = run(observer);
     if (trouble) std::rethrow_exception(trouble);
     return result;
+  }
+
+  /// For long look-ups: the ranks are served meanwhile.
+  Agenda::GoOn go_on() {
+    return [this] {
+      poll_ranks();
+      return !stopping();
+    };
   }
 
   void poll_ranks() {
@@ -454,37 +341,34 @@ class Master {
     --num_busy_;
     const bool stopped = outcome.kind == DesignOutcome::Kind::stopped;
     const char* event = stopped ? "stopped" : outcome.kind == DesignOutcome::Kind::failed ? "failed" : "done";
-    lines_.push_back({event, design.id, std::max(1, provenance_->attempts(design.id)), rank, outcome.host,
+    lines_.push_back({event, design.id, std::max(1, agenda_.provenance().attempts(design.id)), rank, outcome.host,
                       outcome.wall_s, outcome.cpu_s, "", ""});
     if (!outcome.note.empty()) reporter_.info(fmt::format("design {}: {}", design.id, outcome.note));
     if (stopped) {
-      pending_.push_front(outcome.index);
+      agenda_.put_back(outcome.index);
       stop(fmt::format("rank {} was asked to stop", rank));
       return;
     }
 
     // The row comes from the file, so what is called done is what can be read.
     const auto begin = Clock::now();
-    while (!has_loose_recording(store_.paths(), design.id) && !has_failure(store_.paths(), design.id)) {
+    while (!has_loose_recording(agenda_.paths(), design.id) && !has_failure(agenda_.paths(), design.id)) {
       if (seconds_since(begin) > visibility_s || stop_requested())
         throw WriteError(
             fmt::format("{}: not visible on {} though rank {} on {} has written it; is the output folder on a "
                         "file system that all nodes share?",
-                        store_.paths().recording(design.id), farm_.host(), rank, outcome.host));
+                        agenda_.paths().recording(design.id), farm_.host(), rank, outcome.host));
       Farm::nap();
     }
-    recordings_.look_again(design.id);
-    if (!load_row(outcome.index))
-      throw WriteError(store_.paths().recording(design.id) + ": was written, yet is damaged");
+    const ResultRow& row = agenda_.enter(outcome.index);
     ++done_now_;
-    const ResultRow& row = *rows_[outcome.index];
     const std::string result =
         row.state == "failed" ? "FAILED: " + row.reason : fmt::format("f = {:.4g} +- {:.2g} m", row.f_m, row.sigma_f_m);
-    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", num_rows_, plan().designs.size(),
-                               design.id, drumsweep::describe(plan(), design),
+    reporter_.info(fmt::format("design {}/{} {} ({}): {}{}, {:.1f} s on rank {}", agenda_.num_rows(),
+                               plan().designs.size(), design.id, drumsweep::describe(plan(), design),
                                row.state == "untrusted" ? "untrusted, " : "", result, outcome.wall_s, rank));
     if (row.lost_balls > 0) reporter_.warn(fmt::format("design {}: {} balls were lost", design.id, row.lost_balls));
-    if (seconds_since(table_written_) > table_interval_s) write_tables();
+    agenda_.write_tables_now_and_then();
   }
 
   // --- the end
@@ -506,7 +390,7 @@ class Master {
     index.reset();
     --num_busy_;
     try {
-      lines_.push_back({"stopped", id, std::max(1, provenance_->attempts(id)), rank, "", 0, 0, "", ""});
+      lines_.push_back({"stopped", id, std::max(1, agenda_.provenance().attempts(id)), rank, "", 0, 0, "", ""});
       flush();
     } catch (const WriteError&) {
     }
@@ -514,7 +398,7 @@ class Master {
 
   /// A run that finds nothing to compute leaves no trace.
   void note_begin() {
-    if (!begun_) provenance_->add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
+    if (!begun_) agenda_.provenance().add({"run_begin", "", 1, 0, farm_.host(), 0, 0, "", "", farm_.size()});
     begun_ = true;
   }
 
@@ -532,21 +416,18 @@ class Master {
         stop(error.what());
       }
     };
-    attempt([&] { write_tables(); });
+    attempt([&] { agenda_.write_tables(); });
     dismiss();
     const auto begin = Clock::now();
-    const std::size_t rows_before = num_rows_;
+    const std::size_t rows_before = agenda_.num_rows();
     while (num_gone_ < farm_.size() - 1 && seconds_since(begin) < patience_s) {
       attempt([&] { poll_ranks(); });
       Farm::nap();
     }
-    if (num_rows_ != rows_before) attempt([&] { write_tables(); });
+    if (agenda_.num_rows() != rows_before) attempt([&] { agenda_.write_tables(); });
     std::optional<Findings> findings;
-    if (stocked_ && !stopping()) {
-      findings = find(study_, plan(), row_of());
-      attempt([&] { replace(store_.paths().findings(), to_toml(plan(), findings)); });
-    }
-    if (begun_) attempt([&] { provenance_->add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
+    if (agenda_.stocked() && !stopping()) attempt([&] { findings = agenda_.write_findings(); });
+    if (begun_) attempt([&] { agenda_.provenance().add({"run_end", "", 1, 0, farm_.host(), 0, 0, "", ""}); });
     if (options_.survive) say_end();
     if (num_dead_ == 0 && num_gone_ == farm_.size() - 1)
       farm_.close();
@@ -554,17 +435,19 @@ class Master {
       reporter_.warn(fmt::format("{} ranks do not answer and are left to the launcher", farm_.size() - 1 - num_gone_));
 
     SweepOutcome outcome;
-    outcome.finished = planner_.complete() && num_rows_ == plan().designs.size();
+    outcome.finished = agenda_.finished();
     outcome.stop_cause = stop_cause_;
-    outcome.output = store_.paths().folder;
-    outcome.table = table();
+    outcome.output = agenda_.paths().folder;
+    outcome.table = agenda_.table();
     outcome.findings = findings;
     for (const ResultRow& row : outcome.table.rows) outcome.failed += row.state == "failed" ? 1 : 0;
     if (outcome.finished)
-      reporter_.info(fmt::format("finished: {} designs, {} failed", num_rows_, outcome.failed));
+      reporter_.info(fmt::format("finished: {} designs, {} failed", agenda_.num_rows(), outcome.failed));
     else
-      reporter_.info(fmt::format("stopped early: {}what is stored stays; run the same command again to go on",
-                                 stocked_ ? fmt::format("{} of {} designs are done; ", num_rows_, rows_.size()) : ""));
+      reporter_.info(fmt::format(
+          "stopped early: {}what is stored stays; run the same command again to go on",
+          agenda_.stocked() ? fmt::format("{} of {} designs are done; ", agenda_.num_rows(), plan().designs.size())
+                            : ""));
     return outcome;
   }
 
@@ -579,33 +462,9 @@ class Master {
     }
   }
 
-  ResultTable table() const {
-    ResultTable out{plan().columns, {}};
-    for (const std::size_t i : table_order(plan()))
-      if (i < rows_.size() && rows_[i]) out.rows.push_back(*rows_[i]);
-    return out;
-  }
-
-  /// Rebuilds results.csv and results.h5 where they are not the same already, and packs recordings once there are many.
-  /// Not before all stored designs have been looked at: a stop during that must not shorten the table.
-  void write_tables() {
-    table_written_ = Clock::now();
-    replace(store_.paths().results(), to_csv(table()));
-    replace(store_.paths().results_image(), pack_results(study_, table(), steady_, recordings_, provenance_->lines()));
-    if (!stocked_) return;
-    for (const std::string& note : recordings_.pack()) reporter_.info(note);
-  }
-
-  void replace(const std::string& path, const std::string& text) const {
-    std::error_code error;
-    const bool there = std::filesystem::exists(path, error);
-    if (there && (!stocked_ || read_whole_file(path) == text)) return;
-    write_durably(path, text);
-  }
-
   // --- numbers for people
 
-  SweepCounts counts() const { return {num_rows_, plan().designs.size(), done_now_, num_busy_}; }
+  SweepCounts counts() const { return {agenda_.num_rows(), plan().designs.size(), done_now_, num_busy_}; }
 
   /// Once a second into the lock file, for `status`.
   void tell_status(const std::string& phase) {
@@ -614,25 +473,18 @@ class Master {
     std::string running;
     for (const auto& index : busy_)
       if (index) running += " " + plan().designs[*index].id;
-    store_.lock().say(fmt::format("phase {}\nrunning{}\n", phase, running));
+    agenda_.store().lock().say(fmt::format("phase {}\nrunning{}\n", phase, running));
   }
 
   Farm& farm_;
   const Study& study_;
-  Planner planner_;
   const SweepOptions& options_;
-  Store store_;
-  RecordingIndex recordings_;
-  KnownRows known_;  ///< from results.h5 of an earlier run
   Reporter reporter_;
-  std::optional<Provenance> provenance_;
-  std::optional<Casualties> casualties_;
+  Agenda agenda_;
   DrumState warm_;
   bool steady_ = false;
-  std::vector<std::optional<ResultRow>> rows_;    ///< (num_designs) of the table
-  std::deque<std::size_t> pending_;               ///< designs to simulate
   std::vector<std::optional<std::size_t>> busy_;  ///< (num_ranks) what each is at
-  std::size_t done_now_ = 0, num_rows_ = 0, num_busy_ = 0;
+  std::size_t done_now_ = 0, num_busy_ = 0;
   std::vector<ProvenanceLine> lines_;                ///< not yet durable ...
   std::vector<std::pair<int, std::string>> orders_;  ///< ... and what ranks will hear when they are
   RollCall roll_;
@@ -642,10 +494,9 @@ class Master {
   int checkpoints_passed_on_ = num_checkpoint_requests();
   std::optional<Clock::time_point> stop_at_;
   bool dismissed_ = false;
-  bool begun_ = false;    ///< there is a line run_begin
-  bool stocked_ = false;  ///< rows_ holds all that was stored when the run began
+  bool begun_ = false;  ///< there is a line run_begin
   std::string stop_cause_;
-  Clock::time_point table_written_{}, told_{}, roll_called_{};
+  Clock::time_point told_{}, roll_called_{};
 };
 
 /// Tells the others to leave when this rank cannot even begin, so that nobody waits for it.

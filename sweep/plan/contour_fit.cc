@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <unordered_map>
 
 #include "core/config/schema.h"
@@ -58,36 +60,27 @@ PlaneInBox plane_in_box(const StudyFit& fit, const ResultTable& table, const Con
   return out;
 }
 
-/// Whether a fitted design is nearest, in ranges of the box.
-class NearestIsFitted {
- public:
-  explicit NearestIsFitted(const StudyFit& fit) {
-    std::set<Point> fitted;
-    for (const Sample& sample : fit.fit.points) fitted.insert(sample.at);
-    if (fitted.size() >= fit.points.size()) return;
-    for (const Point& point : fit.points) {
-      points_.push_back(to_unit(fit.box, point));
-      fitted_.push_back(fitted.count(point) > 0);
-    }
-  }
-  bool operator()(const Point& unit) const {
-    if (points_.empty()) return true;
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      double distance = 0;
-      for (std::size_t k = 0; k < unit.size(); ++k) distance += (points_[i][k] - unit[k]) * (points_[i][k] - unit[k]);
-      if (distance >= least) continue;
-      least = distance;
-      best = i;
-    }
-    return fitted_[best];
-  }
+/// Of more points, so many rows of points spread evenly over the table are fitted: as the cost grows with the cube, and
+/// as a fit of those with the lowest f, which searches use, would know neither the surface's range nor its slopes.
+constexpr std::size_t most_rows_of_a_figure = 400;
 
- private:
-  std::vector<Point> points_;
-  std::vector<bool> fitted_;
-};
+std::vector<Measurement> spread_evenly(const std::vector<Measurement>& rows, const std::set<Point>& points) {
+  std::vector<Point> order(points.begin(), points.end());
+  std::vector<std::size_t> turn(order.size());
+  for (std::size_t i = 0; i < turn.size(); ++i) turn[i] = i;
+  // By a golden step, so that no line of a grid is left out as a whole.
+  const auto key = [](std::size_t i) { return std::fmod(0.6180339887498949 * static_cast<double>(i), 1.0); };
+  std::stable_sort(turn.begin(), turn.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::map<Point, std::vector<Measurement>> rows_at;
+  for (const Measurement& row : rows) rows_at[row.at].push_back(row);
+  std::vector<Measurement> kept;
+  for (const std::size_t i : turn) {
+    const std::vector<Measurement>& here = rows_at[order[i]];
+    if (kept.size() + here.size() > most_rows_of_a_figure) break;
+    kept.insert(kept.end(), here.begin(), here.end());
+  }
+  return kept;
+}
 
 ContourFit::Optimum optimum_of(const StudyFit& fit) {
   ContourFit::Optimum out;
@@ -109,7 +102,6 @@ void put_on_mesh(const StudyFit& fit, const PlaneInBox& plane, ContourFit& out) 
   const FittedSurface& surface = *fit.fit.surface;
   out.x = evenly(fit.box[*plane.x].low, fit.box[*plane.x].high);
   out.y = plane.y ? evenly(fit.box[*plane.y].low, fit.box[*plane.y].high) : std::vector<double>{0.0};
-  const NearestIsFitted nearest_is_fitted(fit);
   // A line of the mesh at a time, so that the covariances with all rows stay small.
   for (const double y : out.y) {
     std::vector<Site> line;
@@ -124,8 +116,7 @@ void put_on_mesh(const StudyFit& fit, const PlaneInBox& plane, ContourFit& out) 
     if (!plane.y) variance = surface.variance(line);
     for (std::size_t i = 0; i < line.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      const bool known = nearest_is_fitted(to_unit(fit.box, line[i].at));
-      out.value_m.push_back(known ? mean[k] : std::numeric_limits<double>::quiet_NaN());
+      out.value_m.push_back(mean[k]);
       if (!plane.y) out.sigma_m.push_back(std::sqrt(std::max(0.0, variance[k])));
     }
   }
@@ -144,6 +135,8 @@ StudyFit fit_of_study(const Study& study, const Plan& plan, const ResultTable& t
   std::unordered_map<std::string, ResultRow> rows;
   for (ResultRow row : table.rows) {
     if (value == "f_footprint_m") {
+      // Nothing landed under the outlet: even, but no bed.
+      if (row.f_footprint_m == 0) row.state = "untrusted";
       row.f_m = row.f_footprint_m;
       row.sigma_f_m = row.sigma_f_footprint_m;
     }
@@ -153,8 +146,17 @@ StudyFit fit_of_study(const Study& study, const Plan& plan, const ResultTable& t
     const auto found = rows.find(design.id);
     return found == rows.end() ? nullptr : &found->second;
   };
-  for (const Measurement& row : measurements_in(out.box, study, plan, num_stages, row_of)) out.points.insert(row.at);
+  const std::vector<Measurement> known = measurements_in(out.box, study, plan, num_stages, row_of);
+  std::set<Point> points;
+  for (const Measurement& row : known) points.insert(row.at);
+  out.num_points = points.size();
   out.fit = fit_rows(out.box, study, plan, num_stages, row_of);
+  if (out.fit.points.size() < points.size()) {
+    std::vector<Measurement> spread = spread_evenly(known, points);
+    out.fit.points = pool(out.box, spread).samples;
+    out.fit.surface.emplace(out.box, std::move(spread));
+    out.fit.gate = gate(*out.fit.surface);
+  }
   if (out.fit.surface && out.fit.gate.fit_is_usable()) out.optimum = optimum(*out.fit.surface, study.seed);
   return out;
 }
@@ -164,7 +166,7 @@ std::optional<ContourFit> contour_fit(const StudyFit& fit, const ResultTable& ta
   ContourFit out;
   out.verdict = fit.fit.gate.reason;
   out.num_fitted = fit.fit.points.size();
-  out.num_designs = fit.points.size();
+  out.num_designs = fit.num_points;
   out.usable = fit.fit.surface && fit.fit.gate.fit_is_usable();
   // Whether there is a fit decides which slices can be looked at.
   options.fit = out;

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -13,12 +12,13 @@
 
 namespace drumsweep {
 
-/// Fit, gate and optimum as in findings.toml.
+/// Fit, gate and optimum: those of findings.toml, but for large studies (above 300 rows), where findings.toml takes the
+/// designs with the lowest f and a figure takes designs spread evenly over all.
 struct StudyFit {
   Study study;
   std::vector<std::string> keys, columns;  ///< of the plan
   Box box;                                 ///< empty: no stage varies anything
-  std::set<Point> points;                  ///< of the box that have a value; those that are fitted are in fit.points
+  std::size_t num_points = 0;              ///< of the box that have a value; those that are fitted are in fit.points
   Fit fit;
   std::optional<Optimum> optimum;  ///< none where the gate trusts no fit
 };

@@ -31,31 +31,6 @@ double grid_value(const StageVariable& v, std::int64_t i) {
   return rounded(v.from + (v.to - v.from) * static_cast<double>(i) / static_cast<double>(v.count - 1));
 }
 
-/// All nodes of a stage, values in the order of its variables.
-std::vector<Design> nodes_of_stage(const StageConfig& stage) {
-  std::vector<Design> nodes;
-  if (stage.type == "points") {
-    for (std::size_t i = 0; i < stage.variables.front().values.size(); ++i) {
-      Design node;
-      for (const StageVariable& v : stage.variables) node.emplace_back(v.key, rounded(v.values[i]));
-      nodes.push_back(std::move(node));
-    }
-    return nodes;
-  }
-  // Grid: one variable after the other, so the first is the slowest.
-  nodes.emplace_back();
-  for (const StageVariable& v : stage.variables) {
-    std::vector<Design> longer;
-    for (const Design& node : nodes)
-      for (std::int64_t i = 0; i < v.count; ++i) {
-        longer.push_back(node);
-        longer.back().emplace_back(v.key, grid_value(v, i));
-      }
-    nodes = std::move(longer);
-  }
-  return nodes;
-}
-
 /// Order of the table: numbers ascending, an absent one (angle given in the other unit) first.
 bool row_before(const std::vector<double>& a, const std::vector<double>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -107,6 +82,30 @@ std::pair<std::size_t, bool> add(Plan& plan, StudyProbe& probe, std::size_t stag
 }
 
 }  // namespace
+
+std::vector<Design> nodes_of_stage(const StageConfig& stage) {
+  std::vector<Design> nodes;
+  if (stage.type == "points") {
+    for (std::size_t i = 0; i < stage.variables.front().values.size(); ++i) {
+      Design node;
+      for (const StageVariable& v : stage.variables) node.emplace_back(v.key, rounded(v.values[i]));
+      nodes.push_back(std::move(node));
+    }
+    return nodes;
+  }
+  // Grid: one variable after the other, so the first is the slowest.
+  nodes.emplace_back();
+  for (const StageVariable& v : stage.variables) {
+    std::vector<Design> longer;
+    for (const Design& node : nodes)
+      for (std::int64_t i = 0; i < v.count; ++i) {
+        longer.push_back(node);
+        longer.back().emplace_back(v.key, grid_value(v, i));
+      }
+    nodes = std::move(longer);
+  }
+  return nodes;
+}
 
 double rounded(double value) {
   // Dividing a whole number by 1e9 is correctly rounded; multiplying by 1e-9 would not be. Adding 0 turns -0 into 0.

@@ -66,6 +66,9 @@ inline constexpr double design_steps_per_unit = 1e9;
 /// Rounds to such a multiple: the double nearest to the decimal number.
 double rounded(double value);
 
+/// All nodes of a stage of type grid or points, values in the order of its variables; the ends of a range are met exactly.
+std::vector<Design> nodes_of_stage(const StageConfig& stage);
+
 /// Hash of the text "key=value;key=value;" with alphabetical keys and shortest exact values: of the content, not of the
 /// position, so ids stay when stages are added, removed or refined.
 std::string design_id(const Design& values);

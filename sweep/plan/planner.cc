@@ -190,26 +190,20 @@ struct Planner::Search {
       note(fmt::format("region: the whole range, as only {} earlier designs have a result there", known.points.size()));
     }
 
-    std::vector<StageVariable> axes;
+    StageConfig grid;
     for (std::size_t i = 0; i < box.size(); ++i) {
       const double more = std::max(config().margin * (high[i] - low[i]), 0.5 * box[i].resolution);
       const double from = std::max(box[i].low, low[i] - more), to = std::min(box[i].high, high[i] + more);
-      axes.push_back({box[i].key, from, to, config().nodes, {}});
+      grid.variables.push_back({box[i].key, from, to, config().nodes, {}});
       note(fmt::format("{}: {:.6g} to {:.6g}", box[i].key, from, to));
     }
     // Nodes on the lattice; where it is coarser than the grid, some fall together.
-    std::vector<Point> nodes{{}};
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      std::vector<Point> longer;
-      for (const Point& node : nodes)
-        for (std::int64_t k = 0; k < config().nodes; ++k) {
-          longer.push_back(node);
-          longer.back().push_back(axes[i].from + (axes[i].to - axes[i].from) * static_cast<double>(k) /
-                                                     static_cast<double>(config().nodes - 1));
-        }
-      nodes = std::move(longer);
+    std::vector<Point> nodes;
+    for (const Design& node : nodes_of_stage(grid)) {
+      Point& point = nodes.emplace_back();
+      for (const auto& [key, value] : node) point.push_back(value);
+      point = quantised(box, point);
     }
-    for (Point& node : nodes) node = quantised(box, node);
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     for (const Point& node : nodes) add(node);

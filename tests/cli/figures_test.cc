@@ -45,6 +45,7 @@ TEST(ContourSlice, holds_the_third_variable_and_says_what_is_wrong_with_it) {
     EXPECT_EQ(refused.code, 2) << slice;
     EXPECT_NE(refused.err.find(message), std::string::npos) << slice << ": " << refused.err;
   }
+  EXPECT_EQ(drumsweep(folder, {"contour", "out", "-o", "x.png", "--matrix"}).code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));
   if (!has_gnuplot()) GTEST_SKIP() << "NO GNUPLOT ON THIS MACHINE: the figures are NOT tested";
   const Finished figure = drumsweep(folder, {"contour", "out", "-o", "c.svg", "--slice", "speed_m_s=0.3"});

@@ -147,6 +147,34 @@ TEST(ContourContent, a_corner_of_failed_designs_is_hatched_without_a_gap) {
   EXPECT_NEAR(hatched * 0.014, 0.625 * 0.375, 0.015);
 }
 
+TEST(ContourContent, a_design_without_a_ball_under_the_outlet_is_not_the_best_one) {
+  ResultTable table = plane_table();
+  for (ResultRow& row : table.rows) row.f_footprint_m = 0.5 * row.f_m;
+  table.rows[7].f_footprint_m = 0.0;
+  ContourOptions options;
+  options.value = "f_footprint_m";
+  const ContourContent content = content_of(table, options);
+  ASSERT_TRUE(content.best);
+  EXPECT_NEAR(content.best->f_mm, 5.0, 1e-9);
+}
+
+TEST(ContourContent, steps_of_a_search_are_no_grid) {
+  ResultTable table = plane_table();
+  // A cross: three of its points are corners of a cell.
+  std::erase_if(table.rows, [](const ResultRow& row) {
+    const double x = row.variables[0], y = row.variables[1];
+    return x != 0.25 && y != 0.25;
+  });
+  std::erase_if(table.rows, [](const ResultRow& row) { return row.variables[0] == 1.0; });
+  table.rows.push_back(table.rows.front());
+  table.rows.back().variables = {0.9, 0.8, 0.0};
+  table.rows.push_back(table.rows.front());
+  table.rows.back().variables = {0.8, 0.9, 0.0};
+  const ContourContent content = content_of(table, {});
+  EXPECT_EQ(content.raster.size, 0);
+  EXPECT_FALSE(content.interpolation_is_drawn);
+}
+
 TEST(ContourContent, the_region_of_the_optimum_holds_its_draws_in_the_plane) {
   ContourOptions options;
   options.fit = flat_fit();

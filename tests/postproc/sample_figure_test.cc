@@ -99,7 +99,7 @@ TEST(SampleTables, spectrum_is_that_of_the_window_that_counts) {
 TEST(SampleFigure, marks_footprint_window_even_bed_and_a_tenth_of_a0_and_names_the_stripes) {
   const std::string script = sample_figure(striped_sample(), "sample.png").script;
   for (const char* words : {"y₁", "y₂", "window of f", "even bed", "a₀/10", "'slot 1'", "'slot 3'", "'end 20 %'",
-                            "height (mm)", "across the belt (m)", "opening angle 0.2 deg"})
+                            "height (mm)", "1 of 2 turns", "across the belt (m)", "opening angle 0.2 deg"})
     EXPECT_NE(script.find(words), std::string::npos) << words;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/config/schema.h"
 #include "postproc/contour_content.h"
+#include "postproc/contour_figure.h"
 
 namespace drumsweep {
 namespace {
@@ -93,21 +94,20 @@ TEST(ContourFit, says_why_where_the_gate_trusts_none) {
             std::string::npos);
 }
 
-TEST(ContourFit, of_many_designs_ends_where_the_fitted_ones_do) {
-  const Study study = grid_of(20, 20);
+TEST(ContourFit, of_many_designs_is_that_of_some_spread_over_all) {
+  const Study study = grid_of(21, 21);
   const Plan plan = plan_designs(study);
   const ResultTable table = valley(plan);
   const std::optional<ContourFit> fit = contour_fit(fit_of_study(study, plan, table, "f_m", 1), table, {});
   ASSERT_TRUE(fit->usable) << fit->verdict;
-  EXPECT_EQ(fit->num_designs, 400u);
-  EXPECT_EQ(fit->num_fitted, 300u);
-  EXPECT_TRUE(std::isfinite(mesh_value(*fit, 0.3, 0.055)));
-  EXPECT_TRUE(std::isnan(mesh_value(*fit, 0.6, 0.08))) << "the corner with the highest f is not fitted";
+  EXPECT_EQ(fit->num_designs, 441u);
+  EXPECT_EQ(fit->num_fitted, 400u);
+  EXPECT_NEAR(mesh_value(*fit, 0.3, 0.055), 0.005, 1e-4);
+  EXPECT_NEAR(mesh_value(*fit, 0.6, 0.08), 0.005 + 0.02 * 0.36 + 0.03 * 0.390625, 2e-4) << "the highest corner too";
   ContourOptions options;
   options.fit = fit;
-  const ContourContent content = contour_content(table, options, contour_axes(table, options));
-  EXPECT_TRUE(content.fit_is_drawn);
-  EXPECT_TRUE(content.interpolation_is_drawn);
+  EXPECT_NE(contour_figure(table, options, "a.dat", "a.png").script.find("400 of 441 designs, spread evenly"),
+            std::string::npos);
 }
 
 TEST(ContourFit, knows_slices_between_the_designs_and_none_outside) {
