@@ -117,18 +117,22 @@ void Chart::band(const std::vector<ChartPoint>& low, const std::vector<ChartPoin
   if (!path.empty()) behind_ += fmt::format("<path class=\"bd {}\" d=\"{}z\"/>\n", css, path);
 }
 
-void Chart::rule(double at, const std::string& text, const std::string& css, bool upright) {
-  if (upright) {
-    if (at < x_.low || at > x_.high) return;
-    body_ += fmt::format("<path class=\"ln {}\" d=\"M{:.1f} {:.1f}V{:.1f}\"/>", css, px(at), top_, height_ - bottom_);
-    body_ += fmt::format("<text class=\"on {}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"start\">{}</text>\n", css,
-                         px(at) + 5, top_ + 13, escaped(text));
-    return;
-  }
+void Chart::rule(double at, const std::string& text, const std::string& css, RuleText where) {
   if (at < y_.low || at > y_.high) return;
+  const bool right = where == RuleText::right_above, below = where == RuleText::left_below;
   body_ += fmt::format("<path class=\"ln {}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>", css, left_, py(at), width_ - right_);
-  body_ += fmt::format("<text class=\"on {}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", css,
-                       width_ - right_ - 4, py(at) - 5, escaped(text));
+  body_ += fmt::format("<text class=\"on {}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", css,
+                       right ? width_ - right_ - 4 : left_ + 6, py(at) + (below ? 16 : -5), right ? "end" : "start",
+                       escaped(text));
+}
+
+void Chart::upright(double at, const std::string& text, const std::string& css) {
+  if (at < x_.low || at > x_.high) return;
+  body_ += fmt::format("<path class=\"ln {}\" d=\"M{:.1f} {:.1f}V{:.1f}\"/>", css, px(at), top_, height_ - bottom_);
+  // The text is on the side where there is room.
+  const bool right = px(at) < 0.7 * width_;
+  body_ += fmt::format("<text class=\"on {}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", css,
+                       px(at) + (right ? 5 : -5), top_ - 3, right ? "start" : "end", escaped(text));
 }
 
 void Chart::bar(double x_begin, double x_end, double y_begin, double y_end, const std::string& css,

@@ -37,8 +37,11 @@ class Chart {
   void line(const std::vector<ChartPoint>& points, const std::string& css, bool step = false);
   /// Between two lines over the same x.
   void band(const std::vector<ChartPoint>& low, const std::vector<ChartPoint>& high, const std::string& css);
-  /// Across the whole chart, with a text at its right end. @param upright  at a value of x
-  void rule(double at, const std::string& text, const std::string& css, bool upright = false);
+  enum class RuleText { right_above, left_above, left_below };
+  /// Across the whole chart at a value of y, with a text where it covers least.
+  void rule(double at, const std::string& text, const std::string& css, RuleText where = RuleText::right_above);
+  /// The same at a value of x, with its text at the top.
+  void upright(double at, const std::string& text, const std::string& css);
   /// From x to x, between y and y.
   void bar(double x_begin, double x_end, double y_begin, double y_end, const std::string& css, const std::string& tip);
   /// Shades x between two values, with a text at its top.

@@ -98,7 +98,7 @@ std::string profile_chart(const DetailedDesign& d) {
   chart.band(low, high, "a");
   chart.line(mean, "a");
   chart.points(mean, "a", "circle", 2.2);
-  chart.rule(1000 * d.evaluation.objective.mean_height_m, "mean of the belt", "dash");
+  chart.rule(1000 * d.evaluation.objective.mean_height_m, "mean of the belt", "dash", Chart::RuleText::left_above);
   return figure(chart.svg(),
                 "Height of the bed across the belt, mean over the recorded turns; the band is one standard "
                 "error from blocks of one slot’s passage.");

@@ -98,8 +98,8 @@ std::string scatter_chart(const ReportData& data, std::size_t v) {
   chart.points(untrusted, "b open", "diamond", 3);
   for (std::size_t i = 0; i < data.answer.at.size(); ++i)
     if (data.answer.at[i].first == data.table.variable_names[v]) {
-      chart.rule(data.answer.at[i].second, data.answer.kind == Answer::Kind::single_run ? "lowest" : "optimum", "dash",
-                 true);
+      chart.upright(data.answer.at[i].second, data.answer.kind == Answer::Kind::single_run ? "lowest" : "optimum",
+                    "dash");
       if (!data.answer.region_95.empty()) {
         const auto [low, high] = data.answer.region_95[i];
         chart.stripe(low, high, "95 %", true);

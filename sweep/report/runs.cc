@@ -74,7 +74,7 @@ std::string path_chart(const ReportData& data, const std::vector<std::size_t>& o
   chart.points(done, "a", many_runs(data) ? "dot" : "circle", 3.4);
   chart.points(untrusted, "b open", "diamond", 3.4);
   chart.points(failed, "bad", "cross", 3.5);
-  if (tolerance > 0) chart.rule(1000 * tolerance, "asked for", "limit");
+  if (tolerance > 0) chart.rule(1000 * tolerance, "asked for", "limit", Chart::RuleText::left_below);
   chart.legend("a run with its standard error", "a", "circle");
   if (!untrusted.empty()) chart.legend("untrusted", "b open", "diamond");
   if (!failed.empty()) chart.legend("failed", "bad", "cross");
