@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <memory>
 #include <string>
 
@@ -65,18 +64,6 @@ void print_text(const BenchResult& r, const Options& options) {
              r.quality.residual.mean, 100 * r.quality.mean_overlap, r.hash);
 }
 
-/// "key=value", any key of a study file.
-void set_value(Study& study, const std::string& change) {
-  const std::size_t equals = change.find('=');
-  if (equals == std::string::npos) throw InputError("--set " + change + ": needs key=value");
-  // TOML as it stands; a bare word is a text.
-  const std::string value = change.substr(equals + 1);
-  const bool word =
-      !value.empty() && std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false";
-  study = parse_study(word ? fmt::format("{} = \"{}\"", change.substr(0, equals), value) : change, "--set " + change,
-                      study);
-}
-
 int bench(const Options& options) {
   if (options.threads < 1) throw InputError(fmt::format("--threads {}: accepted is 1 and more", options.threads));
   BenchOptions bench_options = options.bench;
@@ -88,7 +75,7 @@ int bench(const Options& options) {
     study.solver.sub_steps = 1;
     study.solver.iterations = 25;
   }
-  for (const std::string& change : options.set) set_value(study, change);
+  for (const std::string& change : options.set) study = changed_study(study, change, "--set " + change);
   Reporter reporter;
   const BenchResult result = run_bench(study, bench_options, [&](const Progress& p) {
     reporter.update(p, {});

@@ -53,6 +53,8 @@ int main(int argc, char** argv) {
   add_simulate(app, exit_code);
   add_contour(app, exit_code);
   add_sample(app, exit_code);
+  add_rescore(app, exit_code);
+  add_report(app, exit_code);
   add_bench(app, exit_code);
   add_picture(app, exit_code);
   add_export(app, exit_code);

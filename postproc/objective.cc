@@ -19,7 +19,8 @@ double weight(std::size_t n, const std::string& weights) {
 }
 
 double unevenness_of(std::span<const double> moduli, std::size_t num_cells, const ObjectiveConfig& objective) {
-  const std::size_t num_modes = num_cells / 2;
+  std::size_t num_modes = num_cells / 2;
+  if (objective.modes > 0) num_modes = std::min(num_modes, static_cast<std::size_t>(objective.modes));
   if (num_modes == 0) return 0.0;
   double sum = 0.0;
   for (std::size_t n = 1; n <= num_modes; ++n) sum += weight(n, objective.weights) * (moduli[n] + moduli[n]);

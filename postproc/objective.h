@@ -4,7 +4,7 @@
 ///
 /// Departures, each an option: S1 prints w_n = 2^(|n|-1) and calls it decaying ("growing"); "samples" divides by 2 N,
 /// which would cap f at half of what S1 reports for its point III; the window may be the belt or the outlet's
-/// footprint.
+/// footprint; with objective.modes = M only n <= M count, and N is M.
 ///
 /// Toppling caps f: all balls on one line score 6.7 to 6.9 mean heights at lab values (70 mm), not the 8 of one cell.
 ///

@@ -135,6 +135,7 @@ SweepStatus read_status(const std::string& folder) {
   }
   status.finished = complete && rows.size() == plan.designs.size();
   if (const auto best = best_row(rows)) status.best = rows[*best];
+  status.rows = std::move(rows);
   return status;
 }
 

@@ -41,6 +41,7 @@ struct SweepStatus {
   bool finished = false;  ///< every design has a result or has failed
   double cpu_s = 0;       ///< of all attempts so far, the warm-up included
   std::vector<std::string> variable_names;
+  std::vector<ResultRow> rows;  ///< of the designs that have ended, in the plan's order
   std::optional<ResultRow> best;
   std::vector<RunTimeline> timeline;  ///< of all runs so far
 };

@@ -165,6 +165,10 @@ std::vector<Field> fields(Study& s) {
                  "of mode n: 2^-(n-1), 2^(n-1) as printed in S1, 1");
   objective.text("normalization", s.objective.normalization, {"modes", "samples"},
                  "f is divided by the number of modes N, or of samples 2 N");
+  objective.count(
+      "modes", s.objective.modes, 1, 1000000,
+      "f counts and divides by the lowest so many modes; \"auto\": all that the cells across the belt resolve");
+  list.back().or_auto = true;
   objective.number("cell_diameters", s.objective.cell_diameters, 0.5, 100, "bed cell in ball diameters");
   objective.number("packing", s.objective.packing, 0.1, 1, "of the bed on the belt");
   objective.number("friction_angle_deg", s.objective.friction_angle_deg, 1, 80, "steepest slope of the bed");

@@ -145,6 +145,7 @@ struct ObjectiveConfig {
   std::string window = "belt";          ///< or "footprint": what counts in f_m; results hold both
   std::string weights = "decaying";     ///< 2^-(n-1); "growing" = 2^(n-1) as printed in S1; "uniform" = 1
   std::string normalization = "modes";  ///< divide by N; "samples": by 2 N
+  std::int64_t modes = 0;               ///< lowest modes that f sums and divides by; 0: all N
   double cell_diameters = 2.5;          ///< bed cell, in ball diameters
   double packing = 0.7;
   double friction_angle_deg = 35.0;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "core/config/schema.h"
 #include "core/config/stages.h"
 #include "core/config/toml_fields.h"
@@ -24,6 +26,17 @@ Study parse_study(const std::string& text, const std::string& source, const Stud
   }
   validate(study, reader.where());
   return study;
+}
+
+Study changed_study(const Study& study, const std::string& change, const std::string& source) {
+  const std::size_t equals = change.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == change.size())
+    throw InputError(fmt::format("{}: needs KEY=VALUE", source));
+  const std::string value = change.substr(equals + 1);
+  const bool word = std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false" &&
+                    value != "nan" && value != "inf";
+  const std::string text = word ? toml_text(value) : value;
+  return parse_study(fmt::format("{} = {}", change.substr(0, equals), text), source, study);
 }
 
 Study read_study(const std::string& path) { return parse_study(read_text(path), path); }

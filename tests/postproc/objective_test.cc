@@ -214,5 +214,22 @@ TEST(Objective, level_belt_scores_the_floor_of_counting_noise_which_falls_with_t
   EXPECT_NEAR(floor_of_half / floor_of_two, 2.0, 0.4);
 }
 
+TEST(Unevenness, of_the_lowest_modes_only_counts_and_divides_by_these) {
+  // Modes 1 and 5 of 40 cells, with moduli 40 / 2 times their amplitudes.
+  std::vector<double> height;
+  for (int k = 0; k < 40; ++k)
+    height.push_back(0.01 + 0.002 * std::cos(2 * M_PI * k / 40) + 0.001 * std::cos(2 * M_PI * 5 * k / 40));
+  ObjectiveConfig objective;
+  objective.weights = "uniform";
+  EXPECT_NEAR(unevenness(height, objective), 2 * 20 * (0.002 + 0.001) / 20, 1e-14);
+  objective.modes = 4;
+  EXPECT_NEAR(unevenness(height, objective), 2 * 20 * 0.002 / 4, 1e-14);
+  objective.modes = 5;
+  EXPECT_NEAR(unevenness(height, objective), 2 * 20 * (0.002 + 0.001) / 5, 1e-14);
+  // More than there are: all.
+  objective.modes = 500;
+  EXPECT_NEAR(unevenness(height, objective), 2 * 20 * (0.002 + 0.001) / 20, 1e-14);
+}
+
 }  // namespace
 }  // namespace drumsweep

@@ -10,13 +10,15 @@
 namespace drumsweep {
 
 /// Landings spread over belt and recorded time, a little unlike for each `number`; every fourth leaves over the end.
-inline Recording made_up_recording(const Study& study, std::uint32_t number, std::uint32_t num_landings) {
+/// @param spread  share of the belt's width on which they land; a small one makes a high heap that topples for long
+inline Recording made_up_recording(const Study& study, std::uint32_t number, std::uint32_t num_landings,
+                                   double spread = 0.6) {
   Recording r;
   r.begin_s = 3;
   r.turns = study.record.turns;
   const double duration = r.turns * 2 * M_PI / study.drum.angular_velocity_rad_s;
   for (std::uint32_t i = 0; i < num_landings; ++i) {
-    const double u = std::fmod(0.618 * i + 0.001 * number, 1.0), y = study.belt.width_m * (0.2 + 0.6 * u * u);
+    const double u = std::fmod(0.618 * i + 0.001 * number, 1.0), y = study.belt.width_m * (0.2 + spread * u * u);
     const auto exit = static_cast<std::uint8_t>(i % 4 == 0 ? 255u : i % 4);
     r.landings.push_back({3 + duration * (i + 0.5) / num_landings, 0, y, 0, 0, -1, 0.005f, i, exit});
   }

@@ -1,0 +1,47 @@
+/// drumsweep report
+#include "sweep/report/report.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "cli/commands.h"
+#include "core/config/schema.h"
+#include "core/io/durable_file.h"
+
+namespace drumsweep {
+namespace {
+
+struct Options {
+  std::string folder, file;
+  ReportOptions report;
+};
+
+void report(const Options& options) {
+  if (!options.file.ends_with(".html")) throw InputError(options.file + ": unknown ending, accepted: .html");
+  const Report made = make_report(options.folder, options.report);
+  write_durably(options.file, made.html);
+  for (const std::string& note : made.notes) fmt::print(stderr, "drumsweep: {}\n", note);
+  fmt::print("{}\n", options.file);
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int&) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("report", "One self-contained page about a sweep: answer, evidence, provenance.");
+  command->add_option("OUT", options->folder, "output folder of a run; may be going on, and is not changed")
+      ->required();
+  command->add_option("-o,--output", options->file, "FILE.html")->required();
+  command->add_flag("!--no-picture", options->report.picture, "do not render the drum (which needs POV-Ray)");
+  command->footer(
+      "Example:\n  drumsweep report out -o report.html\n"
+      "The page needs no network, prints on A4, and says at its top when the sweep is not finished. Lengths in it "
+      "have\n"
+      "their units beside them; f is in millimetres.");
+  command->callback([options] { report(*options); });
+}
+
+}  // namespace drumsweep
