@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up everything, builds, and runs the main job on a small real case: warm drum, sweep over MPI, tables, figure.
+# Sets up everything, builds, and runs the main job on a small real case: warm drum, sweep over MPI, tables, figure, report.
 # usage: cluster/quickstart.sh [OUTPUT_FOLDER]     (default: quick_result; run again to go on after an interruption)
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 out=${1:-quick_result}
@@ -14,4 +14,5 @@ mpirun -n "$(nproc)" --oversubscribe "$program" run schedules/quick.toml -o "$ou
 "$program" contour "$out" -o "$out/contour.csv"
 "$program" contour "$out" -o "$out/contour_matrix.csv" --matrix
 "$program" contour "$out" -o "$out/contour.png"
-echo "Done. Look at $out/contour.png, $out/results.csv and $out/contour.csv"
+"$program" report "$out" -o "$out/report.html"
+echo "Done. Open $out/report.html; the table is $out/results.csv, the figure $out/contour.png with its data in $out/contour.csv"

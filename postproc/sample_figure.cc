@@ -116,7 +116,7 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
       look.most_landings == 0 ? 1 : std::max<std::size_t>(1, (shown + look.most_landings - 1) / look.most_landings);
 
   std::string text = panel.margins();
-  text += panel.title(fmt::format("(a) landings by slot{}{}",
+  text += panel.title(fmt::format("(a) landings by slot; right: whose stripe it is{}{}",
                                   turns < sample.turns ? fmt::format("; {:g} of {:g} turns", turns, sample.turns) : "",
                                   every > 1 ? fmt::format("; one ball of {} is drawn", every) : ""),
                       30);
@@ -164,11 +164,12 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
   return text + plot + "\nunset object\nunset label\nunset arrow\n";
 }
 
-std::string surface_panel(const DesignSample& sample, const Panel& panel) {
+std::string surface_panel(const DesignSample& sample, const Panel& panel, bool lowest) {
   const double turns = shown_turns(sample);
   std::string text = panel.margins() + panel.title("(b) bed on the belt, toppled to its friction angle");
   text += axis("x", 0, sample.belt_width_m, 8) + axis("y", 0, sample.strip_length_m * turns / sample.turns, 6);
-  text += "set ylabel 'along the belt (m)'\nset xlabel ''\n" + footprint_marks(sample, "#505050") + pale_viridis;
+  text += fmt::format("set ylabel 'along the belt (m)'\nset xlabel '{}'\n", lowest ? "across the belt (m)" : "");
+  text += footprint_marks(sample, "#505050") + pale_viridis;
   const std::vector<double>& heights = sample.evaluation.bed.height_m;
   const double highest = 1e3 * *std::max_element(heights.begin(), heights.end());
   text += fmt::format("set cbrange [0:{:.6g}]\nset cblabel 'height (mm)'\n", highest > 0 ? highest : 1.0);
@@ -331,11 +332,13 @@ FigureFiles sample_figure(const DesignSample& sample, const std::string& picture
   panels[0] = {at, map_height, 0};
   at += map_height + tics_height + panel_head + key_height * std::ceil((static_cast<double>(sample.num_slots) + 1) / 4);
   panels[1] = {at, map_height, 0};
-  at += map_height + tics_height + panel_head;
-  panels[2] = {at, graph_height, 0};
-  at += graph_height + tics_height + label_height + panel_head;
-  panels[3] = {at, graph_height, 0};
-  const double canvas = std::round(at + graph_height + tics_height + label_height + foot);
+  at += map_height;
+  if (!look.maps_only) {
+    panels[2] = {at + tics_height + panel_head, graph_height, 0};
+    panels[3] = {panels[2].top + graph_height + tics_height + label_height + panel_head, graph_height, 0};
+    at = panels[3].top + graph_height;
+  }
+  const double canvas = std::round(at + tics_height + label_height + foot);
   for (Panel& panel : panels) panel.canvas = canvas;
 
   std::string first = terminal(picture_name, static_cast<int>(width), static_cast<int>(canvas));
@@ -351,8 +354,9 @@ FigureFiles sample_figure(const DesignSample& sample, const std::string& picture
   for (std::size_t k = 0; k < notes.size(); ++k)
     script += fmt::format("set label {} {} at screen 0.5,{:.5f} center\n", 1001 + k, single_quoted(notes[k]),
                           1 - (title_height + line_height * (static_cast<double>(k) + 0.2)) / canvas);
-  script += landings_panel(sample, panels[0], look) + surface_panel(sample, panels[1]) +
-            profile_panel(sample, panels[2]) + spectrum_panel(sample, panels[3]) + "unset multiplot\n";
+  script += landings_panel(sample, panels[0], look) + surface_panel(sample, panels[1], look.maps_only);
+  if (!look.maps_only) script += profile_panel(sample, panels[2]) + spectrum_panel(sample, panels[3]);
+  script += "unset multiplot\n";
   return {script, sample_tables(sample)};
 }
 
@@ -367,14 +371,15 @@ std::vector<std::string> write_sample(const DesignSample& sample, const std::fil
   // Enough points for the eye; the picture in pixels has them all.
   constexpr std::size_t most_in_svg = 8000;
   for (const char* picture : {"sample.png", "sample.svg"}) {
-    const SampleLook look{false, picture == std::string("sample.svg") ? most_in_svg : 0};
+    const SampleLook look{.most_landings = picture == std::string("sample.svg") ? most_in_svg : 0};
     write(picture, draw(sample_figure(sample, picture, look), picture));
   }
   return names;
 }
 
-std::string sample_for_page(const DesignSample& sample, const PageFigure& page, std::size_t most_landings) {
-  return for_page(draw(sample_figure(sample, "figure.svg", {true, most_landings}), "figure.svg"), page);
+std::string sample_for_page(const DesignSample& sample, const PageFigure& page, SampleLook look) {
+  look.page = true;
+  return for_page(draw(sample_figure(sample, "figure.svg", look), "figure.svg"), page);
 }
 
 }  // namespace drumsweep

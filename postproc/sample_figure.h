@@ -46,8 +46,9 @@ std::vector<double> mode_ratios(const DesignSample& sample);
 std::map<std::string, std::string> sample_tables(const DesignSample& sample);
 
 struct SampleLook {
-  bool page = false;              ///< transparent, for a page
+  bool page = false;              ///< transparent, for a page; sample_for_page() sets it
   std::size_t most_landings = 0;  ///< draws every k-th landing so that no more are drawn, and says so; 0: all
+  bool maps_only = false;         ///< landings and bed, without profile and spectrum
 };
 
 /// The column of four panels, as a gnuplot script that reads the tables above; picture.png or .svg.
@@ -58,6 +59,6 @@ FigureFiles sample_figure(const DesignSample& sample, const std::string& picture
 std::vector<std::string> write_sample(const DesignSample& sample, const std::filesystem::path& folder);
 
 /// The figure as an element of an HTML page, for light and dark; about 100 bytes a landing drawn.
-std::string sample_for_page(const DesignSample& sample, const PageFigure& page, std::size_t most_landings = 2500);
+std::string sample_for_page(const DesignSample& sample, const PageFigure& page, SampleLook look);
 
 }  // namespace drumsweep

@@ -60,28 +60,6 @@ PlaneInBox plane_in_box(const StudyFit& fit, const ResultTable& table, const Con
   return out;
 }
 
-/// Of more points, so many rows of points spread evenly over the table are fitted: as the cost grows with the cube, and
-/// as a fit of those with the lowest f, which searches use, would know neither the surface's range nor its slopes.
-constexpr std::size_t most_rows_of_a_figure = 400;
-
-std::vector<Measurement> spread_evenly(const std::vector<Measurement>& rows, const std::set<Point>& points) {
-  std::vector<Point> order(points.begin(), points.end());
-  std::vector<std::size_t> turn(order.size());
-  for (std::size_t i = 0; i < turn.size(); ++i) turn[i] = i;
-  // By a golden step, so that no line of a grid is left out as a whole.
-  const auto key = [](std::size_t i) { return std::fmod(0.6180339887498949 * static_cast<double>(i), 1.0); };
-  std::stable_sort(turn.begin(), turn.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  std::map<Point, std::vector<Measurement>> rows_at;
-  for (const Measurement& row : rows) rows_at[row.at].push_back(row);
-  std::vector<Measurement> kept;
-  for (const std::size_t i : turn) {
-    const std::vector<Measurement>& here = rows_at[order[i]];
-    if (kept.size() + here.size() > most_rows_of_a_figure) break;
-    kept.insert(kept.end(), here.begin(), here.end());
-  }
-  return kept;
-}
-
 ContourFit::Optimum optimum_of(const StudyFit& fit) {
   ContourFit::Optimum out;
   for (const DesignAxis& axis : fit.box) {
@@ -146,17 +124,10 @@ StudyFit fit_of_study(const Study& study, const Plan& plan, const ResultTable& t
     const auto found = rows.find(design.id);
     return found == rows.end() ? nullptr : &found->second;
   };
-  const std::vector<Measurement> known = measurements_in(out.box, study, plan, num_stages, row_of);
   std::set<Point> points;
-  for (const Measurement& row : known) points.insert(row.at);
+  for (const Measurement& row : measurements_in(out.box, study, plan, num_stages, row_of)) points.insert(row.at);
   out.num_points = points.size();
   out.fit = fit_rows(out.box, study, plan, num_stages, row_of);
-  if (out.fit.points.size() < points.size()) {
-    std::vector<Measurement> spread = spread_evenly(known, points);
-    out.fit.points = pool(out.box, spread).samples;
-    out.fit.surface.emplace(out.box, std::move(spread));
-    out.fit.gate = gate(*out.fit.surface);
-  }
   if (out.fit.surface && out.fit.gate.fit_is_usable()) out.optimum = optimum(*out.fit.surface, study.seed);
   return out;
 }

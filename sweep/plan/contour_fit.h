@@ -12,8 +12,7 @@
 
 namespace drumsweep {
 
-/// Fit, gate and optimum: those of findings.toml, but for large studies (above 300 rows), where findings.toml takes the
-/// designs with the lowest f and a figure takes designs spread evenly over all.
+/// Fit, gate and optimum, as in findings.toml.
 struct StudyFit {
   Study study;
   std::vector<std::string> keys, columns;  ///< of the plan

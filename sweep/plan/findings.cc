@@ -69,13 +69,21 @@ std::optional<Findings> find(const Study& study, const Plan& plan, const RowOf& 
   return out;
 }
 
+std::string at_end_of_range(const Findings& findings, std::size_t variable) {
+  if (!findings.optimum || variable >= findings.box.size()) return "";
+  const DesignAxis& axis = findings.box[variable];
+  const double at = findings.optimum->at[variable];
+  const char* end = at <= axis.low ? "lower" : at >= axis.high ? "upper" : nullptr;
+  return end == nullptr ? "" : fmt::format(", at the {} end of the range that was searched", end);
+}
+
 std::string describe(const Findings& f) {
   std::string out;
   if (f.optimum) {
     out += "optimum of the fit, with the range that holds it with 95 %:\n";
     for (std::size_t i = 0; i < f.box.size(); ++i)
-      out += fmt::format("  {} = {:.6g}  ({:.4g} to {:.4g})\n", f.box[i].key, f.optimum->at[i], f.optimum->low[i],
-                         f.optimum->high[i]);
+      out += fmt::format("  {} = {:.6g}  ({:.4g} to {:.4g}){}\n", f.box[i].key, f.optimum->at[i], f.optimum->low[i],
+                         f.optimum->high[i], at_end_of_range(f, i));
     out += fmt::format("  f = {:.4g} +- {:.2g} m\n", f.optimum->f_m, f.optimum->sigma_m);
   }
   out += fmt::format("surface: {}\n", f.gate.reason);

@@ -32,6 +32,10 @@ struct Findings {
 /// From everything that is known; nothing where no stage varies anything.
 std::optional<Findings> find(const Study& study, const Plan& plan, const RowOf& row_of);
 
+/// ", at the lower end of the range that was searched", where the fit's optimum lies at an end in this variable; else empty.
+/// An optimum there may be lower still beyond it.
+std::string at_end_of_range(const Findings& findings, std::size_t variable);
+
 /// In words, a line each.
 std::string describe(const Findings& findings);
 

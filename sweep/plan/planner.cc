@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -35,7 +36,33 @@ Design design_of(const Box& box, const Point& point) {
   return design;
 }
 
+/// Of more rows some are fitted, as the cost grows with the cube.
 constexpr std::size_t most_rows_of_a_fit = 300;
+
+/// Half of them are those of the points with the lowest f; as these alone would know neither the surface's range nor its
+/// slopes, the others are spread evenly over the table: by a golden step, so that no line of a grid is left out.
+std::set<Point> points_to_fit(const std::vector<Sample>& points) {
+  std::vector<std::size_t> by_f(points.size()), spread(points.size());
+  std::iota(by_f.begin(), by_f.end(), 0);
+  std::iota(spread.begin(), spread.end(), 0);
+  std::stable_sort(by_f.begin(), by_f.end(),
+                   [&](std::size_t a, std::size_t b) { return points[a].f_m < points[b].f_m; });
+  const auto turn = [](std::size_t i) { return std::fmod(0.6180339887498949 * static_cast<double>(i), 1.0); };
+  std::stable_sort(spread.begin(), spread.end(), [&](std::size_t a, std::size_t b) { return turn(a) < turn(b); });
+  std::set<Point> kept;
+  std::size_t count = 0;
+  const auto keep = [&](const std::vector<std::size_t>& order, std::size_t most) {
+    for (const std::size_t i : order) {
+      if (kept.count(points[i].at) > 0) continue;
+      count += static_cast<std::size_t>(points[i].count);
+      if (count > most) return;
+      kept.insert(points[i].at);
+    }
+  };
+  keep(by_f, most_rows_of_a_fit / 2);
+  keep(spread, most_rows_of_a_fit);
+  return kept;
+}
 
 }  // namespace
 
@@ -98,15 +125,7 @@ Fit fit_rows(const Box& box, const Study& study, const Plan& plan, std::size_t e
   out.points = std::move(pooled.samples);
   out.noise = pooled.noise;
   if (rows.size() > most_rows_of_a_fit) {
-    std::vector<Sample> order = out.points;
-    std::stable_sort(order.begin(), order.end(), [](const Sample& a, const Sample& b) { return a.f_m < b.f_m; });
-    std::set<Point> kept;
-    std::size_t count = 0;
-    for (const Sample& point : order) {
-      count += static_cast<std::size_t>(point.count);
-      if (count > most_rows_of_a_fit) break;
-      kept.insert(point.at);
-    }
+    const std::set<Point> kept = points_to_fit(out.points);
     std::erase_if(rows, [&](const Measurement& row) { return kept.count(row.at) == 0; });
     std::erase_if(out.points, [&](const Sample& point) { return kept.count(point.at) == 0; });
   }
@@ -248,7 +267,8 @@ struct Planner::Search {
 
   /// Evenly spread designs that the stage begins with; those that cannot be built are passed over.
   std::vector<Point> initial_points(std::size_t budget, std::size_t num_known) const {
-    const auto wanted = static_cast<std::size_t>(config().initial);
+    // A fit needs some; an adaptive stage that cannot fit would end with its budget unused.
+    const auto wanted = static_cast<std::size_t>(std::max<std::int64_t>(config().initial, points_for_a_fit(box)));
     const std::size_t count = std::min(budget, wanted > num_known ? wanted - num_known : 0);
     std::vector<Point> out;
     for (const Point& point : space_filling(box, 4 * count, study.seed))

@@ -76,6 +76,11 @@ std::string range_text(const ReportData& data, std::size_t i) {
                      with_unit(data.answer.region_95[i].second, q.unit, 3));
 }
 
+/// An optimum at the end of what was searched is not one: said, so that somebody looks beyond.
+std::string end_of_range(const std::optional<Findings>& findings, std::size_t variable) {
+  return findings ? at_end_of_range(*findings, variable) : "";
+}
+
 /// Height of the bed across the belt with its error, and the two windows.
 std::string profile_chart(const DetailedDesign& d) {
   const Profile& profile = d.evaluation.belt;
@@ -155,10 +160,10 @@ std::string answer_html(ReportData& data) {
   for (std::size_t i = 0; i < a.at.size(); ++i) {
     const Quantity q = quantity_of(a.at[i].first);
     facts.emplace_back(
-        q.name,
-        escaped(with_unit(a.at[i].second, q.unit)) +
-            (a.region_95.empty() ? ""
-                                 : escaped(fmt::format("; the optimum lies in {} with 95 %", range_text(data, i)))));
+        q.name, escaped(with_unit(a.at[i].second, q.unit)) +
+                    (a.region_95.empty() ? ""
+                                         : escaped(fmt::format("; the optimum lies in {} with 95 %{}",
+                                                               range_text(data, i), end_of_range(data.findings, i)))));
   }
   facts.emplace_back("f there", millimetres(a.f_m, a.sigma_m));
   if (data.findings) {
@@ -198,9 +203,7 @@ std::string answer_html(ReportData& data) {
       o.spilled > 0 ? fmt::format(", {} fell past the belt’s open edge", o.spilled) : "");
   html += "<div class=\"figures best\">\n<div class=\"pair\">\n" + profile_chart(*data.best) +
           spectrum_chart(*data.best) + "</div>\n" +
-          sample_html(*data.best, "best-", "Where its balls landed, the bed they made, its profile and its spectrum.",
-                      data) +
-          "</div>\n";
+          sample_html(*data.best, "best-", "Where its balls landed, and the bed they made.", true, data) + "</div>\n";
   return html;
 }
 

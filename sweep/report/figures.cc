@@ -184,13 +184,14 @@ std::string contours_html(ReportData& data) {
   return html + "<h3>Every run over each variable</h3>\n<div class=\"figures\">\n" + scatter + "</div>\n";
 }
 
-std::string sample_html(const DetailedDesign& d, const std::string& id, const std::string& caption, ReportData& data) {
+std::string sample_html(const DetailedDesign& d, const std::string& id, const std::string& caption, bool maps_only,
+                        ReportData& data) {
   try {
     DesignSample sample = design_sample(d.recording.landings, d.recording.begin_s, d.recording.turns, d.study);
-    return figure(
-        fmt::format("<div class=\"box sample\">{}</div>",
-                    sample_for_page(sample, {id, "landings, bed, profile and spectrum of a design"}, most_landings)),
-        caption);
+    return figure(fmt::format("<div class=\"box sample\">{}</div>",
+                              sample_for_page(sample, {id, "a design seen from its landings"},
+                                              {.most_landings = most_landings, .maps_only = maps_only})),
+                  caption);
   } catch (const std::exception& error) {
     data.notes.push_back(fmt::format("design {} is not drawn: {}", d.row.design_id, error.what()));
     return fmt::format("<p class=\"note\">Design {} is not drawn: {}.</p>\n", escaped(d.row.design_id),
@@ -209,7 +210,7 @@ std::string samples_html(ReportData& data) {
         detail, fmt::format("sample{}-", ++number),
         fmt::format("<b>{}</b>: {}; f = {}.", escaped(name), escaped(place_text(place_of_row(data, detail.row))),
                     millimetres(detail.row.f_m, detail.row.sigma_f_m)),
-        data);
+        false, data);
   }
   return "<p>The designs nearest to the points of the paper’s Table 1 (within 0.01 of its angle and 3 mm of its base "
          "width), as in its Figure 9.</p>\n"

@@ -12,7 +12,6 @@
 
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
-#include "postproc/child_process.h"
 #include "postproc/picture.h"
 #include "postproc/report/chart.h"
 #include "postproc/report/html.h"
@@ -25,19 +24,19 @@ namespace {
 
 std::string picture_html(ReportData& data) {
   try {
-    const ScratchFolder scratch;
-    const std::string path = (scratch.path / "drum.png").string();
     PictureOptions options;
     options.width = 1100;
     options.height = 700;
-    write_picture(DrumModel(data.study, warmup_outlet(data.study)), data.warm->state, options, path);
-    const std::string caption = fmt::format(
-        "The drum {}, cut open on the near side: {} balls, coloured by speed, dark slow and "
-        "light fast (up to 1.5 times the wall’s).",
-        data.warm->finished ? "after its warm-up" : "as far as its warm-up has got", data.warm->state.balls.size());
+    const DrumModel model(data.study, warmup_outlet(data.study));
+    const Still still = still_of(model, data.warm->state, model.belt_height);
+    const std::string png = rendered(still, options, picture_frame(still, options), "");
+    const std::string caption =
+        fmt::format("The drum {}, cut open on the near side: {} balls, after {:.1f} s of simulated time.",
+                    data.warm->finished ? "after its warm-up" : "as far as its warm-up has got",
+                    data.warm->state.balls.size(), still.time_s);
     return figure(
         fmt::format("<img alt=\"Rendered picture of the drum and its balls\" width=\"{}\" height=\"{}\" src=\"{}\">",
-                    options.width, options.height, data_url(read_whole_file(path), "image/png")),
+                    options.width, options.height, data_url(png, "image/png")),
         caption, true);
   } catch (const std::exception& error) {
     const std::string why = error.what();

@@ -31,7 +31,8 @@ bool many_runs(const ReportData& data);
 std::string run_tip(const ReportData& data, std::size_t row);
 
 /// Landings, bed, profile and spectrum of one design as a figure. @param id  of this page only, ends in "-"
-std::string sample_html(const DetailedDesign& design, const std::string& id, const std::string& caption,
+/// @param maps_only  landings and bed
+std::string sample_html(const DetailedDesign& design, const std::string& id, const std::string& caption, bool maps_only,
                         ReportData& data);
 
 }  // namespace drumsweep

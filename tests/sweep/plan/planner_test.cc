@@ -244,5 +244,24 @@ TEST(Planner, a_folder_is_looked_at_without_deciding_anything_anew) {
   EXPECT_THROW(restore_searches(other, game.study, game.findings(), "findings.toml"), InputError);
 }
 
+TEST(Planner, an_adaptive_stage_after_too_few_designs_for_a_fit_begins_with_more) {
+  Game game(head + R"([[stage]]
+name = "coarse"
+type = "grid"
+variables = [
+  { key = "outlet.opening_angle_deg", from = 0.0, to = 6.0, count = 3 },
+  { key = "outlet.base_width_m", from = 0.02, to = 0.06, count = 3 },
+]
+[[stage]]
+name = "learn"
+type = "adaptive"
+budget = 8
+initial = 4
+batch = 2
+)");
+  game.play(Truth{});
+  EXPECT_EQ(game.planner.plan().stages[1].designs.size(), 8u);
+}
+
 }  // namespace
 }  // namespace drumsweep
