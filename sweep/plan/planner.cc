@@ -54,9 +54,10 @@ std::set<Point> points_to_fit(const std::vector<Sample>& points) {
   const auto keep = [&](const std::vector<std::size_t>& order, std::size_t most) {
     for (const std::size_t i : order) {
       if (kept.count(points[i].at) > 0) continue;
-      count += static_cast<std::size_t>(points[i].count);
-      if (count > most) return;
+      const std::size_t with_these = count + static_cast<std::size_t>(points[i].count);
+      if (with_these > most) return;
       kept.insert(points[i].at);
+      count = with_these;
     }
   };
   keep(by_f, most_rows_of_a_fit / 2);

@@ -124,11 +124,13 @@ TEST(SampleFigure, is_the_same_every_time_and_drawn_for_files_and_pages) {
   EXPECT_EQ(file_content(folder / "sample.png"), first);
   std::filesystem::remove_all(folder);
 
-  const std::string page = sample_for_page(striped_sample(), {"s1-", "one design"}, 400);
+  const std::string page = sample_for_page(striped_sample(), {"s1-", "one design"}, {.most_landings = 400});
   EXPECT_TRUE(page.starts_with("<svg role=\"img\" aria-label=\"one design\""));
   EXPECT_EQ(page.find("black"), std::string::npos);
   EXPECT_NE(page.find("currentColor"), std::string::npos);
   EXPECT_LT(page.size(), 150000u);
+  EXPECT_EQ(sample_for_page(striped_sample(), {"s2-", "maps"}, {.maps_only = true}).find("modes of the height"),
+            std::string::npos);
 }
 
 TEST(SampleFigure, of_a_design_from_which_nothing_landed_is_drawn) {
@@ -136,7 +138,7 @@ TEST(SampleFigure, of_a_design_from_which_nothing_landed_is_drawn) {
     GTEST_SKIP() << "NO GNUPLOT ON THIS MACHINE: the figures are NOT tested";
   const DesignSample nothing = design_sample({}, 0.0, 2.0, Study{});
   EXPECT_EQ(mode_ratios(nothing)[1], 0.0);
-  EXPECT_NE(sample_for_page(nothing, {"n-", "nothing"}).find("</svg>"), std::string::npos);
+  EXPECT_NE(sample_for_page(nothing, {"n-", "nothing"}, {}).find("</svg>"), std::string::npos);
 }
 
 }  // namespace
