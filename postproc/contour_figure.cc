@@ -195,7 +195,8 @@ std::vector<std::string> notes_of(const ResultTable& table, const ContourOptions
   if (options.fit && fit == nullptr) {
     notes.push_back(fmt::format("no fit is drawn, as none is to be trusted: {}", options.fit->verdict));
   } else if (fit != nullptr && content.fit_is_drawn && fit->num_fitted < fit->num_designs) {
-    notes.push_back(fmt::format("the fit is of {} of {} designs: those with the lowest f and others spread evenly", fit->num_fitted, fit->num_designs));
+    notes.push_back(fmt::format("the fit is of {} of {} designs: those with the lowest f and others spread evenly",
+                                fit->num_fitted, fit->num_designs));
   }
   if (content.interpolation_is_drawn)
     notes.push_back(content.fit_is_drawn ? "outside the ranges of the fit: linear between neighbouring designs"
