@@ -121,6 +121,7 @@ void Chart::rule(double at, const std::string& text, const std::string& css, Rul
   if (at < y_.low || at > y_.high) return;
   const bool right = where == RuleText::right_above, below = where == RuleText::left_below;
   body_ += fmt::format("<path class=\"ln {}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>", css, left_, py(at), width_ - right_);
+  if (text.empty()) return;
   body_ += fmt::format("<text class=\"on {}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", css,
                        right ? width_ - right_ - 4 : left_ + 6, py(at) + (below ? 16 : -5), right ? "end" : "start",
                        escaped(text));

@@ -38,7 +38,7 @@ class Chart {
   /// Between two lines over the same x.
   void band(const std::vector<ChartPoint>& low, const std::vector<ChartPoint>& high, const std::string& css);
   enum class RuleText { right_above, left_above, left_below };
-  /// Across the whole chart at a value of y, with a text where it covers least.
+  /// Across the whole chart at a value of y, with a text, if any, where it covers least.
   void rule(double at, const std::string& text, const std::string& css, RuleText where = RuleText::right_above);
   /// The same at a value of x, with its text at the top.
   void upright(double at, const std::string& text, const std::string& css);

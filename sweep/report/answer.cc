@@ -124,7 +124,9 @@ std::string spectrum_chart(const DetailedDesign& d) {
               {"mode number n", 0.2, static_cast<double>(a.size()) - 0.2, {}, true},
               axis_over("|aₙ| / a₀", values, true));
   for (const ChartPoint& m : modes) chart.bar(m.x - 0.32, m.x + 0.32, 0, m.y, m.y > stop_limit ? "b" : "a", m.tip);
-  chart.rule(stop_limit, "stop test: a₀ / 10", "limit");
+  // In the key: beside the line it would lie on the bars.
+  chart.rule(stop_limit, "", "limit");
+  chart.legend("stop test: a₀ / 10", "limit", "line");
   return figure(chart.svg(), fmt::format("Fourier modes of that profile over its mean ({}); the paper asks for all of "
                                          "them below the line.",
                                          on_footprint ? "on the outlet’s footprint" : "on the whole belt"));
