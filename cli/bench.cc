@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/json.h"
 #include "core/config/schema.h"
@@ -100,7 +101,7 @@ void add_bench(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 100000000));
   command->add_option("--settle", options->bench.settle_turns, "turns before that")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(number_between(0, 1000));
   command
       ->add_option("--setting", options->setting,
                    "s1: 10 ms x 25 iterations as in the paper; shipped: this program's default")

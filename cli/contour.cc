@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/config/schema.h"
 #include "sweep/plan/contour_fit.h"
@@ -45,6 +46,7 @@ bool is_figure(const std::string& file) {
 }
 
 void contour(Options options) {
+  need_place_for(options.file);
   if (options.contour.matrix && std::filesystem::path(options.file).extension() != ".csv")
     throw InputError(fmt::format("--matrix: makes a table, {} is to be a figure; accepted: .csv", options.file));
   const OutputPaths paths{options.folder};
@@ -115,7 +117,7 @@ void add_contour(CLI::App& app, int&) {
   command
       ->add_option("--tolerance", options->tolerance_m,
                    "the bold line [m] [default: refine.tolerance_f_m of the study if above 0, else 0.01, as in S1]")
-      ->check(CLI::PositiveNumber);
+      ->check(number_between(1e-9, 1000));
   command
       ->add_option("--value", options->contour.value,
                    "what is shown [m]: f_m in the study's window, or f_footprint_m, f under the outlet alone")

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "cli/arguments.h"
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
 #include "core/parallel/parallel_for.h"
@@ -101,9 +102,9 @@ void add_moment_options(CLI::App& command, MomentOptions& options) {
       .add_option("--lead", options.lead_s,
                   "simulated seconds before the (first) picture; balls then lie on the belt [default: folder: "
                   "record.adapt_turns; file: 0; several frames: what the belt needs for its bed]")
-      ->check(CLI::Range(0.0, 1e4));
+      ->check(number_between(0, 1e4));
   command.add_option("--seconds", options.seconds, "simulated seconds from the first frame on [default: one turn]")
-      ->check(CLI::Range(1e-3, 1e4));
+      ->check(number_between(1e-3, 1e4));
 }
 
 Moment read_moment(const MomentOptions& options) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/moment.h"
 #include "core/config/schema.h"
@@ -59,6 +60,7 @@ int picture(Options options) {
   install_stop_signals();
   if (!options.animate && !options.file.ends_with(".png"))
     throw InputError(options.file + ": unknown ending, accepted: .png, or with --animate .gif and .mp4");
+  need_place_for(options.file);
   set_size(!options.size.empty() ? options.size : options.animate ? "640x480" : "1400x900", options.picture);
   Moment moment = read_moment(options.moment);
   const bool of_drum_animated = options.animate && moment.drum;

@@ -6,9 +6,11 @@
 #include <memory>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "sweep/stop.h"
 
 namespace drumsweep {
 namespace {
@@ -18,17 +20,25 @@ struct Options {
   ReportOptions report;
 };
 
-void report(const Options& options) {
+int report(const Options& options) {
+  install_stop_signals();
   if (!options.file.ends_with(".html")) throw InputError(options.file + ": unknown ending, accepted: .html");
+  need_place_for(options.file);
   const Report made = make_report(options.folder, options.report);
+  // Ctrl-C ends gnuplot and POV-Ray too, so the page has gaps.
+  if (stop_requested()) {
+    fmt::print(stderr, "drumsweep: stopped by {}; nothing was written\n", stop_signal());
+    return exit_stopped;
+  }
   write_durably(options.file, made.html);
   for (const std::string& note : made.notes) fmt::print(stderr, "drumsweep: {}\n", note);
   fmt::print("{}\n", options.file);
+  return exit_done;
 }
 
 }  // namespace
 
-void add_report(CLI::App& app, int&) {
+void add_report(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("report", "One self-contained page about a sweep: answer, evidence, provenance.");
@@ -41,7 +51,7 @@ void add_report(CLI::App& app, int&) {
       "The page needs no network, prints on A4, and says at its top when the sweep is not finished. Lengths in it "
       "have\n"
       "their units beside them; f is in millimetres.");
-  command->callback([options] { report(*options); });
+  command->callback([options, &exit_code] { exit_code = report(*options); });
 }
 
 }  // namespace drumsweep

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/json.h"
 #include "core/config/schema.h"
@@ -107,6 +108,7 @@ void print_json(const Rescored& all, const std::string& file) {
   fmt::print("{}\n", JsonObject()
                          .count("designs", static_cast<std::int64_t>(all.before.size()))
                          .count("without_landings", static_cast<std::int64_t>(all.without_landings))
+                         .count("damaged", static_cast<std::int64_t>(all.warnings.size()))
                          .raw("cases", json_list(cases))
                          .text("table", file)
                          .str());
@@ -121,8 +123,12 @@ std::string place_of(const Rescored& all, const RescoredOptimum& o) {
 }
 
 void print_text(const Rescored& all, const std::string& file, const std::string& summary) {
-  fmt::print("{} designs with landings{}\n", all.before.size(),
-             all.without_landings > 0 ? fmt::format(", {} without", all.without_landings) : "");
+  fmt::print(
+      "{} designs with landings{}\n", all.before.size(),
+      all.without_landings > 0
+          ? fmt::format(", {} without{}", all.without_landings,
+                        all.warnings.empty() ? "" : fmt::format(" ({} damaged: NOT compared)", all.warnings.size()))
+          : "");
   for (const Rescoring& one : all.cases) {
     fmt::print("{}\n", one.changes);
     if (!one.old_optimum || !one.new_optimum) {
@@ -132,14 +138,15 @@ void print_text(const Rescored& all, const std::string& file, const std::string&
     const RescoredOptimum &was = *one.old_optimum, &is = *one.new_optimum;
     fmt::print("  order of {} designs: rank correlation {:.3f}\n", one.compared, one.rank_correlation);
     fmt::print(
-        "  old optimum {} ({}): f {:.4g} -> {:.4g} m ({:+.1f} %), over the mean height {:.3g} -> {:.3g} ({:+.1f} %)\n",
+        "  lowest before: {} ({}): f {:.4g} -> {:.4g} m ({:+.1f} %), over the mean height {:.3g} -> {:.3g} ({:+.1f} "
+        "%)\n",
         was.before.design_id, place_of(all, was), was.before.f_m, was.after.f_m, change_of_f_percent(was),
         was.before.f_m / was.before.mean_height_m, was.after.f_m / was.after.mean_height_m,
         change_of_f_over_height_percent(was));
     if (is.before.design_id == was.before.design_id && is.before.stage == was.before.stage)
-      fmt::print("  new optimum: the same design\n");
+      fmt::print("  lowest now: the same design\n");
     else
-      fmt::print("  new optimum {} ({}): f {:.4g} -> {:.4g} m\n", is.before.design_id, place_of(all, is), is.before.f_m,
+      fmt::print("  lowest now: {} ({}): f {:.4g} -> {:.4g} m\n", is.before.design_id, place_of(all, is), is.before.f_m,
                  is.after.f_m);
   }
   fmt::print("{} and {}\n", file, summary);
@@ -147,6 +154,7 @@ void print_text(const Rescored& all, const std::string& file, const std::string&
 
 void run_rescore(const Options& options) {
   if (!options.file.ends_with(".csv")) throw InputError(options.file + ": unknown ending, accepted: .csv");
+  need_place_for(options.file);
   const Rescored all = rescore(options.folder, combinations(options));
   for (const std::string& warning : all.warnings) fmt::print(stderr, "drumsweep: {}; left out\n", warning);
   if (all.before.empty()) throw InputError(options.folder + ": no design with landings yet; nothing to evaluate");

@@ -4,6 +4,7 @@
 #include <memory>
 #include <sstream>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/config/schema.h"
 #include "sweep/farm/crash_note.h"
@@ -91,7 +92,7 @@ void add_run(CLI::App& app, int& exit_code) {
           "--checkpoint", options->checkpoint_interval_s,
           "seconds between checkpoints inside a design (at a turn's end, at most 1 % of the time); 0: every turn")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_between(0, 1e6));
   command
       ->add_option(
           "--retry", *retry,
@@ -108,7 +109,7 @@ void add_run(CLI::App& app, int& exit_code) {
           "--survive: a rank that was not heard for so many seconds is taken for dead (on the host of rank 0 it "
           "is seen at once)")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 1e5));
+      ->check(number_between(1, 1e5));
   command->footer(
       "Examples:\n"
       "  drumsweep run study/quick.toml -o out              on one core\n"

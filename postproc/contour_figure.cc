@@ -166,7 +166,7 @@ std::vector<std::string> optimum_texts(const ContourFit::Optimum& optimum) {
   }
   return {
       fmt::format("optimum of the fit: f = {} mm at {}", with_error(1e3 * optimum.f_m, 1e3 * optimum.sigma_m), where),
-      fmt::format("with 95 %: {}", range)};
+      fmt::format("with 95 % each: {}", range)};
 }
 
 /// What stands between title and plot.
@@ -410,7 +410,7 @@ void draw_optimum(Script& script, std::string& data, const ContourContent& conte
   script.draw("optimum", "using 1:2 with points pt 3 ps 2.2 lw 5.5 lc rgb 'white'");
   script.draw("optimum", fmt::format("using 1:2 with points pt 3 ps 2 lw 2.4 lc rgb '{}'", on_map));
   script.key("with points pt 3 ps 1.6 lw 2 lc rgb 'black'", "optimum of the fit");
-  if (content.region.size() > 1) script.key("with lines lw 2 dt (12,6) lc rgb 'black'", "its 95 % region");
+  if (content.region.size() > 1) script.key("with lines lw 2 dt (12,6) lc rgb 'black'", "its 95 % region, jointly");
 }
 
 FigureFiles map_figure(const ResultTable& table, const ContourOptions& options, const ContourAxes& axes,

@@ -116,7 +116,7 @@ std::string landings_panel(const DesignSample& sample, const Panel& panel, const
       look.most_landings == 0 ? 1 : std::max<std::size_t>(1, (shown + look.most_landings - 1) / look.most_landings);
 
   std::string text = panel.margins();
-  text += panel.title(fmt::format("(a) landings by slot; right: whose stripe it is{}{}",
+  text += panel.title(fmt::format("(a) landings by slot; right: where one prevails{}{}",
                                   turns < sample.turns ? fmt::format("; {:g} of {:g} turns", turns, sample.turns) : "",
                                   every > 1 ? fmt::format("; one ball of {} is drawn", every) : ""),
                       30);

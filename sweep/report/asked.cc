@@ -50,9 +50,10 @@ std::string objective_words(const Study& s) {
                              : o.weights == "growing" ? "with weights 2<sup>n−1</sup>"
                                                       : "with weights 2<sup>−(n−1)</sup>";
   return fmt::format(
-      "<i>f</i> = 1/{} Σ w<sub>n</sub> (|a<sub>−n</sub>| + |a<sub>n</sub>|) over the {}modes of the bed’s mean height "
+      "<i>f</i> = 1/{} Σ w<sub>n</sub> (|a<sub>−n</sub>| + |a<sub>n</sub>|) over the {}N modes of the bed’s mean "
+      "height "
       "across {}, {}; 0 is an even bed. Cells of {} ball diameters, packing {}, slopes up to {}°.",
-      o.normalization == "samples" ? "2N" : "N", o.modes > 0 ? fmt::format("lowest {} ", o.modes) : "",
+      o.normalization == "samples" ? "2N" : "N", o.modes > 0 ? fmt::format("lowest {} = ", o.modes) : "",
       o.window == "footprint" ? "the outlet’s footprint" : "the whole belt", weight, plain(o.cell_diameters),
       plain(o.packing), plain(o.friction_angle_deg));
 }

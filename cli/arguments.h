@@ -1,0 +1,15 @@
+/// Checks of arguments that several commands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace drumsweep {
+
+/// Accepts numbers from low to high; unlike CLI::Range not NaN.
+CLI::Validator number_between(double low, double high);
+
+/// Before long work: whether a file can be written there. @throws InputError naming the folder that is missing or closed
+void need_place_for(const std::string& file);
+
+}  // namespace drumsweep
