@@ -28,6 +28,7 @@ void add_contour(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_picture(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
+void add_diagnose(CLI::App& app, int& exit_code);
 void add_slurm(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 

@@ -23,7 +23,7 @@ struct Input {
   bool is_scene;
   std::vector<Field> list;
 
-  Input(const Condition& c) : is_scene(c.is_scene) {
+  explicit Input(const Condition& c, bool with_stages = false) : is_scene(c.is_scene) {
     if (is_scene) {
       scene = parse_scene(c.text, c.path);
       FieldTable table{list, "scene.", Scope::warm_state};
@@ -31,7 +31,7 @@ struct Input {
       add_physics_fields(scene.physics, list);
     } else {
       study = parse_study(c.text, c.path);
-      study.stages.clear();
+      if (!with_stages) study.stages.clear();
       list = fields(study);
     }
   }
@@ -149,6 +149,13 @@ ConditionResult Condition::simulate(std::int64_t seed, const std::vector<KeyChan
   }
   out.cpu_s = cpu_seconds_of_run(threads) - begin;
   return out;
+}
+
+std::string extended_text(const Condition& study, const std::vector<KeyChange>& changes) {
+  Input input(study, true);
+  input.change_all(changes);
+  input.check(study.path);
+  return input.text();
 }
 
 std::string group_of(const Condition& condition, const std::string& quantity) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/scene/observable.h"
@@ -38,6 +39,8 @@ struct Condition {
   std::string group;  ///< of its quantities where they do not say themselves; bench | drum | outlet | belt | mass
   double cost = 1;
   bool held_out = false;
+  /// What another program has simulated for these quantities: outputs are scaled so that the plain model at the prior's mean gives it.
+  std::vector<std::pair<std::string, double>> baseline{};
 
   /// Whether the file has this numeric key.
   bool has(const std::string& key) const;
@@ -50,6 +53,9 @@ struct Condition {
 
 /// Reads the file and puts `inputs` in. @throws InputError
 Condition read_condition(const std::string& id, const std::string& path, const std::vector<KeyChange>& inputs);
+
+/// The text of a study with these changes, stages and all. @throws InputError
+std::string extended_text(const Condition& study, const std::vector<KeyChange>& changes);
 
 /// bench | drum | outlet | belt | mass, by what the quantity is about.
 std::string group_of(const Condition& condition, const std::string& quantity);

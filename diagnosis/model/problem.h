@@ -45,6 +45,7 @@ struct CandidateEffect {
   double low = 0, high = 1;  ///< of the strength; low = 0 where only one sign is possible
   double prior_scale = 0.5;  ///< of a (half-)normal prior of the strength
   std::string about{};
+  bool listed = true;  ///< false: in the campaign's runs, but not among the causes that may be named
 
   double scale() const { return std::max(std::abs(low), std::abs(high)); }
 };

@@ -14,7 +14,13 @@
 
 namespace drumsweep {
 
-enum class Hidden { nothing, single, pair, outsider };
+enum class Hidden {
+  nothing,
+  single,
+  pair,
+  outsider,
+  impostor,  ///< looks like a listed effect on the fitted data and differs on those held out
+};
 
 struct SyntheticMachine {
   std::int64_t seed = 1;
@@ -61,7 +67,9 @@ struct TierAScore {
   Count pair_in_set;                  ///< pairs, both at least 6 sigma from any single
   Count outsider_named;               ///< d >= 6
   Count outsider_named_8;             ///< d >= 8
-  Count exact_both, near_misnamed, near_resolved;
+  Count impostor_named;
+  Count exact_both, exact_apart;  ///< both named; one named without the other
+  Count near_misnamed, near_resolved;
   Count gain_covers, strength_covers;
   Count control_gain;  ///< null data: a gain was adopted
   Eigen::MatrixXi confusion;  ///< (hidden single effect, nothing, outsider) x (named uniquely, set with the truth, set without, none of these, nothing wrong)
@@ -74,6 +82,8 @@ struct TierAScore {
 struct TierAOptions {
   int machines = 6, cases_per_class = 20, num_bootstraps = 200;
   std::int64_t first_seed = 1;
+  Eigen::Index num_runs = 840;  ///< of each campaign
+  bool only_null = false;       ///< false alarms alone
   Mutation mutation{};
 };
 
