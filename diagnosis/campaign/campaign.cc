@@ -130,7 +130,7 @@ void check_corners(const Campaign& c) {
     const CandidateEffect& e = c.candidates[static_cast<std::size_t>(k)].effect;
     for (const double phi : {e.low, e.high}) {
       Eigen::VectorXd p = p0;
-      p[k] = phi / e.scale();
+      p[k] = e.inner(phi);
       try_at(fmt::format("candidate {} at {} {}", e.id, phi, e.unit), u0, p);
     }
   }
@@ -162,7 +162,7 @@ std::string Campaign::fingerprint() const {
     out += fmt::format("parameter {} {} {} {}\n", p.prior.id, fmt::join(p.keys, " "), p.prior.mean, p.prior.sigma);
   // Observations are read off anew whenever the data are looked at; ranges decide the design.
   for (const Candidate& c : candidates) {
-    out += fmt::format("candidate {} {} {}", c.effect.id, c.effect.low, c.effect.high);
+    out += fmt::format("candidate {} {} {} {}", c.effect.id, c.effect.low, c.effect.high, c.effect.curve);
     for (const CandidateChange& ch : c.changes)
       out += fmt::format(" {} {} {} {} {}", static_cast<int>(ch.how), ch.key, ch.factor, ch.of_key, fmt::join(ch.types, " "));
     out += '\n';
@@ -177,7 +177,7 @@ std::vector<KeyChange> Campaign::changes(const Condition& condition, const Eigen
       out.push_back({KeyChange::How::set, key, parameters[j].prior.mean + u[static_cast<Eigen::Index>(j)] * parameters[j].prior.sigma});
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::vector<KeyChange> more =
-        candidates[k].apply(condition, p[static_cast<Eigen::Index>(k)] * candidates[k].effect.scale());
+        candidates[k].apply(condition, candidates[k].effect.strength(p[static_cast<Eigen::Index>(k)]));
     out.insert(out.end(), more.begin(), more.end());
   }
   return out;

@@ -78,7 +78,7 @@ CandidateObservation read_observation(const toml::table& t, const std::string& s
 
 Candidate parse_candidate(const std::string& text, const std::string& source) {
   const toml::table t = parse_toml(text, source);
-  only_keys(t, source, {"id", "about", "unit", "low", "high", "prior_scale", "change", "observe", "numerics"});
+  only_keys(t, source, {"id", "about", "unit", "low", "high", "prior_scale", "curve", "change", "observe", "numerics"});
   Candidate c;
   c.source = source;
   c.effect.id = text_at(t, "id", source);
@@ -87,6 +87,8 @@ Candidate parse_candidate(const std::string& text, const std::string& source) {
   c.effect.low = number_at(t, "low", source);
   c.effect.high = number_at(t, "high", source);
   c.effect.prior_scale = number_at(t, "prior_scale", source);
+  if (t.contains("curve")) c.effect.curve = number_at(t, "curve", source);
+  if (!(c.effect.curve > 0 && c.effect.curve <= 2)) throw InputError(fmt::format("{}: curve = {}: accepted is above 0, to 2", source, c.effect.curve));
   if (!(c.effect.low <= 0 && c.effect.high >= 0 && c.effect.low < c.effect.high))
     throw InputError(fmt::format("{}: low = {}, high = {}: accepted is low <= 0 <= high, as strength 0 is the plain model",
                                  source, c.effect.low, c.effect.high));

@@ -6,6 +6,7 @@
 ///   low = 0.0                    # range of the strength phi; 0 is the plain model and must be in it
 ///   high = 0.006
 ///   prior_scale = 0.002          # of a (half-)normal prior
+///   curve = 1.0                  # below 1 for an effect that saturates: numbers go with phi^curve (problem.h)
 ///   change = [                   # phi times the factor is added to a number of the input ...
 ///     { key = "effects.outlet_coating_m", add = 1.0, of = ["study"] },
 ///     { key = "scene.opening_m", add = -2.0, of = ["slot"] },  # `of`: in conditions of this type only

@@ -60,7 +60,7 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
   const std::size_t in_block = run % 20, block = run / 20;
   const auto strength = [&](Index k, double t) {
     const CandidateEffect& e = c.candidates[static_cast<std::size_t>(k)].effect;
-    out.p[k] = (e.low + (e.high - e.low) * t) / e.scale();
+    out.p[k] = e.inner(e.low) + (e.inner(e.high) - e.inner(e.low)) * t;
   };
   const std::size_t number = in_block % 20 < 3 ? 0 : in_block < 12 ? 1 : 2;
   if (number == 1) strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)), at[num_parameters]);
@@ -284,7 +284,7 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
       const std::size_t condition = c.index_of(d.condition);
       y[i] = read_off(r.observables[condition], d.quantity, d.position);
       for (std::size_t k = 0; k < c.candidates.size(); ++k)
-        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i], point.p[static_cast<Index>(k)] * c.candidates[k].effect.scale());
+        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i], c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
       if (!std::isfinite(y[i]) && why.empty())
         why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d)) : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
     }
@@ -312,7 +312,7 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
     const DesignPoint point = design_point(c, i, numerics_begin);
     Eigen::VectorXd y = outputs_of(results[i], point, why);
     for (std::size_t k = 0; k < c.candidates.size(); ++k)
-      if (c.candidates[k].numerics) y += point.p[static_cast<Index>(k)] * c.candidates[k].effect.scale() * numerics;
+      if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * numerics;
     out.cpu_s += results[i].cpu_s;
     if (why.empty())
       rows.emplace_back(point, std::move(y));

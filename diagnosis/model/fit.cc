@@ -107,8 +107,8 @@ SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const P
   for (std::size_t k = 0; k < effects.size(); ++k) {
     const CandidateEffect& e = problem.effects[static_cast<std::size_t>(effects[k])];
     const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
-    model.low[i] = e.low / e.scale();
-    model.high[i] = e.high / e.scale();
+    model.low[i] = e.inner(e.low);
+    model.high[i] = e.inner(e.high);
   }
   return model;
 }
@@ -124,7 +124,8 @@ Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd
   fit.v = at.v;
   const Eigen::Index n = fit.x.size();
   Eigen::MatrixXd curvature = at.curvature;
-  curvature.diagonal().array() += 1e-9;
+  // A strength is known to lie in its range, whether or not the data see it.
+  curvature.diagonal().tail(n - model.num_parameters).array() += 1;
   fit.spread = curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
   return fit;
 }
@@ -162,14 +163,24 @@ Eigen::VectorXd full_point(const Emulator& emulator, const SubModel& model, cons
 
 double log_evidence(const Fit& fit, const SubModel& model, const Problem& problem) {
   // The prior of u and the volume of its posterior have the same powers of 2 pi; those of the strengths remain.
-  double sum = -0.5 * fit.q + 0.5 * std::log(fit.spread.determinant());
+  double sum = -0.5 * fit.q;
+  Eigen::MatrixXd curvature = fit.spread.inverse();
   for (std::size_t k = 0; k < fit.effects.size(); ++k) {
     const CandidateEffect& e = problem.effects[static_cast<std::size_t>(fit.effects[k])];
-    const double scale = e.prior_scale / e.scale(),
+    const double scale = e.inner(e.prior_scale),
                  p = fit.x[model.num_parameters + static_cast<Eigen::Index>(k)] / scale;
     sum += -0.5 * p * p - std::log(scale) + (e.low >= 0 || e.high <= 0 ? std::numbers::ln2 : 0.0);
+    const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
+    curvature(i, i) += 1 / (scale * scale) - 1;
   }
-  return sum;
+  // Of the Gaussian about the best point only what lies in the range counts.
+  const Eigen::MatrixXd spread = curvature.inverse();
+  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+  for (Eigen::Index i = model.num_parameters; i < fit.x.size(); ++i) {
+    const double sd = std::sqrt(spread(i, i));
+    sum += std::log(std::max(1e-6, below((model.high[i] - fit.x[i]) / sd) - below((model.low[i] - fit.x[i]) / sd)));
+  }
+  return sum + 0.5 * std::log(spread.determinant());
 }
 
 Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,

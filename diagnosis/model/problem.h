@@ -1,8 +1,8 @@
 /// Measured data, what may be adjusted, and what may be missing from the model: the input of a diagnosis, as plain data.
 ///
 /// Two kinds of unknowns. Free parameters theta have bench priors N(mean, sigma^2); inside, u = (theta - mean) / sigma. Candidate
-/// effects have a strength phi that is 0 in the plain model; inside, p = phi / largest |phi| of the range, in [0, 1] where the effect
-/// has a sign and in [-1, 1] where not.
+/// effects have a strength phi that is 0 in the plain model; inside, p = (phi / largest |phi| of the range)^curve, in [0, 1] where the
+/// effect has a sign and in [-1, 1] where not. A curve below 1 straightens an effect that saturates.
 #pragma once
 
 #include <Eigen/Dense>
@@ -47,7 +47,11 @@ struct CandidateEffect {
   std::string about{};
   bool listed = true;  ///< false: in the campaign's runs, but not among the causes that may be named
 
+  double curve = 1;
+
   double scale() const { return std::max(std::abs(low), std::abs(high)); }
+  double strength(double p) const { return std::copysign(scale() * std::pow(std::abs(p), 1 / curve), p); }
+  double inner(double phi) const { return std::copysign(std::pow(std::abs(phi) / scale(), curve), phi); }
 };
 
 struct Problem {

@@ -20,6 +20,7 @@ constexpr double certain = 5.0;          // d at which isolation is looked at
 constexpr double exact_twins = 0.5;      // distance in sigma below which no such data tell two effects apart
 constexpr double near_twins = 3.0;
 constexpr double rival_rise = 3.84;      // in Q: rivals as near as this stay in the set
+constexpr double twin_rise = 6.63;       // as far as chance takes one case in a hundred
 constexpr double credible = 0.95;
 constexpr double pairs_needed = 0.9;
 constexpr double pairs_prior = 0.3;      // prior weight of all pairs together
@@ -293,9 +294,9 @@ class Diagnoser {
     std::vector<double> at;
     for (int k = 0; k < num_effects_; ++k) {
       const SubModel& m = single_models_[size(k)];
-      const double low = m.low[m.num_parameters], high = m.high[m.num_parameters],
-                   scale = problem_.effects[size(k)].scale();
-      Detection d{strength_at(k, low, found) * scale, strength_at(k, high, found) * scale,
+      const double low = m.low[m.num_parameters], high = m.high[m.num_parameters];
+      const CandidateEffect& e = problem_.effects[size(k)];
+      Detection d{e.strength(strength_at(k, low, found)), e.strength(strength_at(k, high, found)),
                   std::max(low == 0 ? 0 : detectability(k, low), high == 0 ? 0 : detectability(k, high))};
       out_.detection.push_back(d);
       const double end = high != 0 ? high : low, seen = strength_at(k, end, certain);
@@ -348,22 +349,26 @@ class Diagnoser {
     bool adequate = false;
   };
 
-  Candidate candidate(const std::vector<int>& effects, double log_prior) const {
+  /// Of one model with so many effects.
+  double log_prior(std::size_t num) const {
+    const double n = num_effects_;
+    return num == 1 ? std::log((1 - pairs_prior) / n) : std::log(pairs_prior / (0.5 * n * (n - 1)));
+  }
+  Candidate candidate(const std::vector<int>& effects, double log_prior_of_model) const {
     Candidate c{model(effects), {}, 0};
     c.fit = effects.size() == 1 ? out_.singles[size(effects[0])] : fit_model(c.model, space_, z_, centre_, true);
-    c.log_weight = log_evidence(c.fit, c.model, problem_) + log_prior;
+    c.log_weight = log_evidence(c.fit, c.model, problem_) + log_prior_of_model;
     return c;
   }
 
   void name_causes() {
     std::vector<Candidate> singles, pairs;
-    const double n = num_effects_;
     for (int k = 0; k < num_effects_; ++k)
-      if (listed(k)) singles.push_back(candidate({k}, std::log((1 - pairs_prior) / n)));
+      if (listed(k)) singles.push_back(candidate({k}, log_prior(1)));
     for (int a = 0; a < num_effects_; ++a)
       for (int b = a + 1; b < num_effects_; ++b) {
         if (!listed(a) || !listed(b)) continue;
-        Candidate pair = candidate({a, b}, std::log(pairs_prior / (0.5 * n * (n - 1))));
+        Candidate pair = candidate({a, b}, log_prior(2));
         // A pair with one of its strengths at nothing is the single again.
         const Eigen::VectorXd p = pair.fit.x.tail(2);
         if (std::abs(p[0]) < 1e-3 || std::abs(p[1]) < 1e-3) continue;
@@ -427,10 +432,10 @@ class Diagnoser {
     e.q = c.fit.q;
     e.weight = weight;
     for (std::size_t k = 0; k < c.fit.effects.size(); ++k) {
-      const double scale = problem_.effects[size(c.fit.effects[k])].scale();
+      const CandidateEffect& effect = problem_.effects[size(c.fit.effects[k])];
       const Interval interval = profile_interval(c.model, space_, z_, centre_, c.fit, k);
-      e.effects.push_back({c.fit.effects[k], c.fit.x[c.model.num_parameters + static_cast<Index>(k)] * scale,
-                           interval.low * scale, interval.high * scale});
+      e.effects.push_back({c.fit.effects[k], effect.strength(c.fit.x[c.model.num_parameters + static_cast<Index>(k)]),
+                           effect.strength(interval.low), effect.strength(interval.high)});
     }
     judge_held_out(c, e);
     return e;
@@ -439,7 +444,7 @@ class Diagnoser {
   /// Distance in sigma below which these data, and an emulator of this accuracy, do not tell two models apart.
   double twin_distance(double v) const {
     const Eigen::ArrayXd part = v * space_.lambda.array();
-    return std::max(exact_twins, 1.3 * std::sqrt(2 * (part / (1 + part)).sum()));
+    return std::max(exact_twins, std::sqrt(2 * (part / (1 + part)).sum()));
   }
 
   /// Confounding is declared, not fitted away: whoever cannot be told from a member is a member.
@@ -455,7 +460,10 @@ class Diagnoser {
           if (out_.names(effects)) continue;
           const SubModel truth = model(fit.effects), rival = model(effects);
           if (distance(rival, space_, predict(truth, fit.x), fit.x.head(truth.num_parameters)) > twin_distance(fit.v)) continue;
-          const Candidate twin = candidate(effects, 0);
+          const Candidate twin = candidate(effects, log_prior(effects.size()));
+          // Not a twin that has vanished in the fit, nor one that the data hold against all the same.
+          const Eigen::VectorXd p = twin.fit.x.tail(static_cast<Index>(effects.size()));
+          if (p.cwiseAbs().minCoeff() < 1e-3 || twin.fit.q > out_.causes[i].fit.q + twin_rise) continue;
           std::erase_if(out_.refused, [&](const Explanation& e) { return e.fit.effects == effects; });
           out_.causes.push_back(explanation(twin, total > 0 ? std::exp(twin.log_weight - log_most) / total : 0));
         }

@@ -142,10 +142,11 @@ std::string candidate_table(const DiagnosisReport& r) {
     const std::string unit = e.unit == "1" ? "" : " " + escaped(e.unit);
     std::string seen = "not in its range";
     if (!std::isnan(limit.limit_high)) seen = fmt::format("{:.3g}{}", limit.limit_high, unit);
-    if (!std::isnan(limit.limit_low)) seen = fmt::format("{:.3g} or {}", limit.limit_low, seen);
+    if (!std::isnan(limit.limit_low))
+      seen = std::isnan(limit.limit_high) ? fmt::format("{:.3g}{}", limit.limit_low, unit) : fmt::format("{:.3g} or {}", limit.limit_low, seen);
     if (limit.d_at_end < 1) seen = "nothing here sees it";
     out += fmt::format("<tr><td title=\"{}\">{}</td><td>{:.3g}{}</td><td>{:.1f}</td><td>{}</td><td>{:.1f} σ</td><td class=\"text\">{}</td></tr>\n", escaped(e.about), escaped(e.id),
-                       d.singles[k].x[d.singles[k].x.size() - 1] * e.scale(), unit, d.singles[k].q, seen, limit.d_at_end,
+                       e.strength(d.singles[k].x[d.singles[k].x.size() - 1]), unit, d.singles[k].q, seen, limit.d_at_end,
                        nearest < 0 ? "" : fmt::format("{}, {:.1f} σ", escaped(r.problem.effects[static_cast<std::size_t>(nearest)].id), d.isolation(row, nearest)));
   }
   return out + fmt::format("</tbody></table></div>\n<p class=\"soft\">Q of the plain model: {:.1f}. Seen from: the strength that is found in 9 of 10 campaigns like this one. "

@@ -131,18 +131,24 @@ std::string report_text(const DiagnosisReport& r) {
   for (const std::string& note : r.notes) out += fmt::format("note: {}\n", note);
 
   out += "\n1. Checks\n";
-  std::size_t coarse = 0;
+  std::size_t coarse = 0, unsure = 0;
   for (const NumericsCheck& c : r.numerics) {
     if (std::abs(c.in_sigma) <= largest_numerics) continue;
+    if (std::abs(c.difference) < 2 * c.error) {
+      ++unsure;
+      continue;
+    }
     ++coarse;
     out += fmt::format("  NUMERICAL ERROR {}: half the time step and 4 x iterations change it by {:.3g} +- {:.2g} {}, {:.2f} sigma (accepted is 0.3)\n",
                        name_of(r.problem.data[c.datum]), c.difference, c.error, r.problem.data[c.datum].unit, c.in_sigma);
   }
-  if (!r.numerics.empty() && coarse == 0)
+  if (unsure > 0)
+    out += fmt::format("  numerics: of {} more data {} pairs of runs do not say whether they change by more than {} sigma (numerics_runs)\n", unsure, r.campaign.numerics_runs, largest_numerics);
+  if (!r.numerics.empty() && coarse + unsure == 0)
     out += fmt::format("  numerics: half the time step and 4 x iterations change no datum by more than {} sigma\n", largest_numerics);
   for (std::size_t i = 0; i < r.problem.data.size(); ++i) {
     const Datum& datum = r.problem.data[i];
-    if (datum.quantity != "axial_velocity" || std::isnan(datum.value) || d.misfits.empty()) continue;
+    if (datum.quantity != "axial_velocity" || datum.use != Use::fit || d.misfits.empty() || std::abs(d.misfits[i].z_before) < 2) continue;
     out += fmt::format("  conservation, {}: at equal feed the simulated {:.3g} m/s instead of {:.3g} m/s mean a fill of {:.2f} times the machine's, whatever "
                        "the friction\n",
                        datum.condition, d.misfits[i].simulated_before, datum.value, datum.value / d.misfits[i].simulated_before);
@@ -197,10 +203,12 @@ std::string report_text(const DiagnosisReport& r) {
       text = fmt::format("nothing here sees it: {:.2f} sigma at the end of its range", limit.d_at_end);
     else if (std::isnan(limit.limit_low) && std::isnan(limit.limit_high))
       text = fmt::format("not within its range ({:.1f} sigma at its end)", limit.d_at_end);
-    else if (e.low < 0)
-      text = fmt::format("below {:.3g} or above {:.3g} {}", limit.limit_low, limit.limit_high, e.unit);
-    else
+    else if (std::isnan(limit.limit_low))
       text = fmt::format("above {:.3g} {}", limit.limit_high, e.unit);
+    else if (std::isnan(limit.limit_high))
+      text = fmt::format("below {:.3g} {}", limit.limit_low, e.unit);
+    else
+      text = fmt::format("below {:.3g} or above {:.3g} {}", limit.limit_low, limit.limit_high, e.unit);
     out += fmt::format("    {:<30} {}\n", e.id, text);
   }
 
@@ -247,7 +255,7 @@ std::vector<std::pair<std::string, std::string>> report_tables(const DiagnosisRe
     Index nearest = -1;
     for (Index j = 0; j < d.isolation.cols(); ++j)
       if (j != static_cast<Index>(k) && (nearest < 0 || d.isolation(static_cast<Index>(k), j) < d.isolation(static_cast<Index>(k), nearest))) nearest = j;
-    candidates += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", e.id, e.unit, number(d.singles[k].x[d.singles[k].x.size() - 1] * e.scale()), number(d.singles[k].q),
+    candidates += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", e.id, e.unit, number(e.strength(d.singles[k].x[d.singles[k].x.size() - 1])), number(d.singles[k].q),
                               number(d.q0), number(d.detection[k].limit_low), number(d.detection[k].limit_high), number(d.detection[k].d_at_end),
                               nearest < 0 ? "" : r.problem.effects[static_cast<std::size_t>(nearest)].id,
                               nearest < 0 ? "" : number(d.isolation(static_cast<Index>(k), nearest)));
@@ -281,7 +289,7 @@ std::string report_hdf5(const DiagnosisReport& r) {
   std::vector<double> singles, isolation;
   for (std::size_t k = 0; k < r.problem.effects.size(); ++k) {
     ids.push_back(r.problem.effects[k].id);
-    singles.insert(singles.end(), {d.singles[k].x[d.singles[k].x.size() - 1] * r.problem.effects[k].scale(), d.singles[k].q, d.detection[k].limit_low,
+    singles.insert(singles.end(), {r.problem.effects[k].strength(d.singles[k].x[d.singles[k].x.size() - 1]), d.singles[k].q, d.detection[k].limit_low,
                                    d.detection[k].limit_high, d.detection[k].d_at_end});
     for (Index j = 0; j < d.isolation.cols(); ++j) isolation.push_back(d.isolation(static_cast<Index>(k), j));
   }
@@ -309,7 +317,7 @@ std::vector<std::pair<std::string, std::string>> extended_studies(const Diagnosi
     ++number;
     const auto num_effects = static_cast<Index>(r.problem.effects.size()), num_parameters = static_cast<Index>(r.problem.parameters.size());
     Eigen::VectorXd p = Eigen::VectorXd::Zero(num_effects);
-    for (const NamedEffect& n : cause.effects) p[n.effect] = n.strength / r.problem.effects[static_cast<std::size_t>(n.effect)].scale();
+    for (const NamedEffect& n : cause.effects) p[n.effect] = r.problem.effects[static_cast<std::size_t>(n.effect)].inner(n.strength);
     Condition study;
     study.path = r.campaign.study;
     study.text = read_text(study.path);

@@ -52,7 +52,7 @@ MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted
   Eigen::VectorXd p = Eigen::VectorXd::Zero(static_cast<Index>(campaign.candidates.size()));
   for (const auto& [id, phi] : truth.effects) {
     const std::size_t k = index_of(campaign, id);
-    p[static_cast<Index>(k)] = phi / campaign.candidates[k].effect.scale();
+    p[static_cast<Index>(k)] = campaign.candidates[k].effect.inner(phi);
   }
   // Every repeat and condition by itself.
   const std::size_t num_conditions = world.conditions.size(), num = num_conditions * static_cast<std::size_t>(truth.repeats);
@@ -77,7 +77,7 @@ MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted
     }
     double value = sum / count;
     for (std::size_t k = 0; k < campaign.candidates.size(); ++k)
-      value = campaign.candidates[k].observe(d.condition, d.quantity, value, p[static_cast<Index>(k)] * campaign.candidates[k].effect.scale());
+      value = campaign.candidates[k].observe(d.condition, d.quantity, value, campaign.candidates[k].effect.strength(p[static_cast<Index>(k)]));
     d.value = value + d.sigma * error[static_cast<Index>(i)];
   }
   return out;
