@@ -115,7 +115,8 @@ void check_corners(const Campaign& c) {
     for (const Condition& condition : c.conditions) try {
         condition.check(c.changes(condition, u, p));
       } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}: the campaign's design reaches what cannot be simulated: {}", c.path, what, error.what()));
+        throw InputError(fmt::format("{}: {}: the campaign's design reaches what cannot be simulated: {}", c.path, what,
+                                     error.what()));
       }
   };
   const Eigen::VectorXd u0 = Eigen::VectorXd::Zero(num_parameters), p0 = Eigen::VectorXd::Zero(num_effects);
@@ -124,7 +125,9 @@ void check_corners(const Campaign& c) {
       Eigen::VectorXd u = u0;
       u[j] = side;
       const FreeParameter& prior = c.parameters[static_cast<std::size_t>(j)].prior;
-      try_at(fmt::format("parameter {} at {:.4g} {} ({:+.1f} sigma)", prior.id, prior.mean + side * prior.sigma, prior.unit, side), u, p0);
+      try_at(fmt::format("parameter {} at {:.4g} {} ({:+.1f} sigma)", prior.id, prior.mean + side * prior.sigma,
+                         prior.unit, side),
+             u, p0);
     }
   for (Eigen::Index k = 0; k < num_effects; ++k) {
     const CandidateEffect& e = c.candidates[static_cast<std::size_t>(k)].effect;
@@ -140,7 +143,8 @@ template <class List, class Id>
 void refuse_twice(const std::string& source, const char* what, const List& list, Id id) {
   std::set<std::string> seen;
   for (const auto& item : list)
-    if (!seen.insert(id(item)).second) throw InputError(fmt::format("{}: {} {} is there twice", source, what, id(item)));
+    if (!seen.insert(id(item)).second)
+      throw InputError(fmt::format("{}: {} {} is there twice", source, what, id(item)));
 }
 
 }  // namespace
@@ -164,17 +168,20 @@ std::string Campaign::fingerprint() const {
   for (const Candidate& c : candidates) {
     out += fmt::format("candidate {} {} {} {}", c.effect.id, c.effect.low, c.effect.high, c.effect.curve);
     for (const CandidateChange& ch : c.changes)
-      out += fmt::format(" {} {} {} {} {}", static_cast<int>(ch.how), ch.key, ch.factor, ch.of_key, fmt::join(ch.types, " "));
+      out += fmt::format(" {} {} {} {} {}", static_cast<int>(ch.how), ch.key, ch.factor, ch.of_key,
+                         fmt::join(ch.types, " "));
     out += '\n';
   }
   return out;
 }
 
-std::vector<KeyChange> Campaign::changes(const Condition& condition, const Eigen::VectorXd& u, const Eigen::VectorXd& p) const {
+std::vector<KeyChange> Campaign::changes(const Condition& condition, const Eigen::VectorXd& u,
+                                         const Eigen::VectorXd& p) const {
   std::vector<KeyChange> out;
   for (std::size_t j = 0; j < parameters.size(); ++j)
     for (const std::string& key : parameters[j].keys)
-      out.push_back({KeyChange::How::set, key, parameters[j].prior.mean + u[static_cast<Eigen::Index>(j)] * parameters[j].prior.sigma});
+      out.push_back({KeyChange::How::set, key,
+                     parameters[j].prior.mean + u[static_cast<Eigen::Index>(j)] * parameters[j].prior.sigma});
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::vector<KeyChange> more =
         candidates[k].apply(condition, candidates[k].effect.strength(p[static_cast<Eigen::Index>(k)]));
@@ -189,8 +196,8 @@ Campaign read_campaign(const std::string& path) {
   Campaign c;
   c.path = path;
   c.folder = std::filesystem::path(path).parent_path().string();
-  in.only_keys(root, {"name", "seed", "runs", "numerics_runs", "bootstraps", "measured", "study", "assumed_relative_sigma",
-                      "condition", "parameter", "candidates"});
+  in.only_keys(root, {"name", "seed", "runs", "numerics_runs", "bootstraps", "measured", "study",
+                      "assumed_relative_sigma", "condition", "parameter", "candidates", "ranges"});
   if (const toml::node* n = root.get("name")) c.name = in.text(*n, "name");
   if (const toml::node* n = root.get("seed")) c.seed = in.count(*n, "seed", 0, 9007199254740992.0);
   if (const toml::node* n = root.get("runs")) c.runs = in.count(*n, "runs", 0, 1e6);
@@ -201,14 +208,33 @@ Campaign read_campaign(const std::string& path) {
     if (!(c.assumed_relative_sigma > 0 && c.assumed_relative_sigma < 1))
       in.fail(*n, fmt::format("assumed_relative_sigma = {}: accepted is between 0 and 1", c.assumed_relative_sigma));
   }
-  c.measured = inside(c.folder, root.contains("measured") ? in.text(*root.get("measured"), "measured") : "measured.csv");
+  c.measured =
+      inside(c.folder, root.contains("measured") ? in.text(*root.get("measured"), "measured") : "measured.csv");
   if (const toml::node* n = root.get("study")) c.study = inside(c.folder, in.text(*n, "study"));
   for (const toml::table* t : in.tables(root, "condition")) c.conditions.push_back(read_one(in, *t, c.folder));
   for (const toml::table* t : in.tables(root, "parameter")) c.parameters.push_back(read_parameter(in, *t));
   const toml::node& names = in.need(root, "candidates");
   if (!names.is_array()) in.fail(names, "candidates: needs to be a list of names");
-  for (const toml::node& n : *names.as_array()) c.candidates.push_back(find_candidate(in.text(n, "candidates"), c.folder));
+  for (const toml::node& n : *names.as_array())
+    c.candidates.push_back(find_candidate(in.text(n, "candidates"), c.folder));
 
+  if (const toml::node* ranges = root.get("ranges")) {
+    if (!ranges->is_table()) in.fail(*ranges, "ranges: needs to be a table, candidate = [low, high]");
+    for (const auto& [key, node] : *ranges->as_table()) {
+      const std::string id(key.str());
+      const auto found =
+          std::find_if(c.candidates.begin(), c.candidates.end(), [&](const Candidate& k) { return k.effect.id == id; });
+      if (found == c.candidates.end()) in.fail(node, fmt::format("ranges: {} is not among the candidates", id));
+      const toml::array* pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2) in.fail(node, fmt::format("ranges: {}: needs to be [low, high]", id));
+      found->effect.low = in.number((*pair)[0], id);
+      found->effect.high = in.number((*pair)[1], id);
+      if (!(found->effect.low <= 0 && found->effect.high >= 0 && found->effect.low < found->effect.high))
+        in.fail(node, fmt::format("ranges: {} = [{}, {}]: accepted is low <= 0 <= high", id, found->effect.low,
+                                  found->effect.high));
+      found->effect.prior_scale = std::min(found->effect.prior_scale, found->effect.scale());
+    }
+  }
   if (c.conditions.empty()) throw InputError(path + ": no [[condition]]: at least one is needed");
   if (c.candidates.empty()) in.fail(names, "candidates: at least one is needed");
   refuse_twice(path, "condition", c.conditions, [](const Condition& x) { return x.id; });
@@ -219,16 +245,18 @@ Campaign read_campaign(const std::string& path) {
     for (const Condition& condition : c.conditions)
       for (const std::string& key : p.keys) found = found || condition.has(key);
     if (!found)
-      throw InputError(fmt::format("{}: parameter {}: no condition has the numeric key {}", path, p.prior.id, fmt::join(p.keys, " or ")));
+      throw InputError(fmt::format("{}: parameter {}: no condition has the numeric key {}", path, p.prior.id,
+                                   fmt::join(p.keys, " or ")));
   }
   for (const Candidate& k : c.candidates) {
     bool acts = k.changes.empty();
     for (const Condition& condition : c.conditions) acts = acts || k.acts_on_input_of(condition);
     if (!acts)
-      throw InputError(fmt::format(
-          "{}: candidate {}: no condition has anything that it acts on, so no strength of it could be seen (its detection limit is "
-          "infinite); leave it out or add a condition",
-          path, k.effect.id));
+      throw InputError(
+          fmt::format("{}: candidate {}: no condition has anything that it acts on, so no strength of it could be seen "
+                      "(its detection limit is "
+                      "infinite); leave it out or add a condition",
+                      path, k.effect.id));
     if (k.numerics && c.numerics_runs == 0)
       throw InputError(fmt::format("{}: candidate {} needs numerics_runs above 0", path, k.effect.id));
   }

@@ -17,11 +17,11 @@ struct CampaignParameter {
 struct Campaign {
   std::string name = "campaign", path, folder;  ///< folder of the file; names in it are relative to that
   std::int64_t seed = 1;
-  std::int64_t runs = 0;           ///< of the design; 0: three per coefficient
-  std::int64_t numerics_runs = 20; ///< seeds with which h/2 and 4 x iterations are compared; 0: not checked
+  std::int64_t runs = 0;            ///< of the design; 0: three per coefficient
+  std::int64_t numerics_runs = 20;  ///< seeds with which h/2 and 4 x iterations are compared; 0: not checked
   std::int64_t bootstraps = 1000;
-  std::string measured;            ///< path of the data
-  std::string study;               ///< path of the study that is extended; may be empty
+  std::string measured;  ///< path of the data
+  std::string study;     ///< path of the study that is extended; may be empty
   std::vector<Condition> conditions;
   std::vector<CampaignParameter> parameters;
   std::vector<Candidate> candidates;

@@ -23,7 +23,8 @@ void only_keys(const toml::table& table, const std::string& source, const std::v
   }
 }
 
-std::string text_at(const toml::table& table, const char* key, const std::string& source, const char* otherwise = nullptr) {
+std::string text_at(const toml::table& table, const char* key, const std::string& source,
+                    const char* otherwise = nullptr) {
   const toml::node* node = table.get(key);
   if (node == nullptr) {
     if (otherwise != nullptr) return otherwise;
@@ -68,7 +69,8 @@ CandidateChange read_change(const toml::table& t, const std::string& source) {
 
 CandidateObservation read_observation(const toml::table& t, const std::string& source) {
   only_keys(t, source, {"quantity", "condition", "add", "scale"});
-  if (t.contains("add") + t.contains("scale") != 1) fail(source, t, "an observation needs exactly one of add and scale");
+  if (t.contains("add") + t.contains("scale") != 1)
+    fail(source, t, "an observation needs exactly one of add and scale");
   CandidateObservation o{text_at(t, "quantity", source), text_at(t, "condition", source, ""), t.contains("scale"), 1};
   o.factor = number_at(t, o.scales ? "scale" : "add", source);
   return o;
@@ -88,10 +90,12 @@ Candidate parse_candidate(const std::string& text, const std::string& source) {
   c.effect.high = number_at(t, "high", source);
   c.effect.prior_scale = number_at(t, "prior_scale", source);
   if (t.contains("curve")) c.effect.curve = number_at(t, "curve", source);
-  if (!(c.effect.curve > 0 && c.effect.curve <= 2)) throw InputError(fmt::format("{}: curve = {}: accepted is above 0, to 2", source, c.effect.curve));
+  if (!(c.effect.curve > 0 && c.effect.curve <= 2))
+    throw InputError(fmt::format("{}: curve = {}: accepted is above 0, to 2", source, c.effect.curve));
   if (!(c.effect.low <= 0 && c.effect.high >= 0 && c.effect.low < c.effect.high))
-    throw InputError(fmt::format("{}: low = {}, high = {}: accepted is low <= 0 <= high, as strength 0 is the plain model",
-                                 source, c.effect.low, c.effect.high));
+    throw InputError(
+        fmt::format("{}: low = {}, high = {}: accepted is low <= 0 <= high, as strength 0 is the plain model", source,
+                    c.effect.low, c.effect.high));
   if (!(c.effect.prior_scale > 0))
     throw InputError(fmt::format("{}: prior_scale = {}: accepted is above 0", source, c.effect.prior_scale));
   if (const toml::array* list = list_at(t, "change", source))
@@ -114,22 +118,25 @@ Candidate find_candidate(const std::string& name, const std::string& folder) {
   // A sensor of one quantity that reads too much or too little, as a share of the reading.
   if (name.rfind("sensor_bias:", 0) == 0) {
     const std::string quantity = name.substr(12);
-    return parse_candidate(fmt::format("id = {}\nabout = \"the instrument for {} reads wrongly everywhere\"\nunit = \"1\"\n"
-                                       "low = -0.5\nhigh = 0.5\nprior_scale = 0.1\n"
-                                       "observe = [ {{ quantity = \"{}\", scale = 1.0 }} ]\n",
-                                       toml_text(name), quantity, quantity),
-                           "built in");
+    return parse_candidate(
+        fmt::format("id = {}\nabout = \"the instrument for {} reads wrongly everywhere\"\nunit = \"1\"\n"
+                    "low = -0.5\nhigh = 0.5\nprior_scale = 0.1\n"
+                    "observe = [ {{ quantity = \"{}\", scale = 1.0 }} ]\n",
+                    toml_text(name), quantity, quantity),
+        "built in");
   }
   std::vector<std::string> ids;
   for (int i = 0; i < num_embedded_candidates; ++i) {
     ids.emplace_back(embedded_candidates[i].id);
-    if (name == embedded_candidates[i].id) return parse_candidate(embedded_candidates[i].text, "built-in candidate " + name);
+    if (name == embedded_candidates[i].id)
+      return parse_candidate(embedded_candidates[i].text, "built-in candidate " + name);
   }
   const std::string path = (std::filesystem::path(folder) / name).string();
   if (name.ends_with(".toml") && std::filesystem::exists(path)) return parse_candidate(read_text(path), path);
   const std::string near = did_you_mean(name, ids);
-  throw InputError(fmt::format("candidates: \"{}\" is neither built in nor a file {}{}; built in are {}, and sensor_bias:QUANTITY",
-                               name, path, near.empty() ? "" : "; did you mean " + near + "?", fmt::join(ids, ", ")));
+  throw InputError(
+      fmt::format("candidates: \"{}\" is neither built in nor a file {}{}; built in are {}, and sensor_bias:QUANTITY",
+                  name, path, near.empty() ? "" : "; did you mean " + near + "?", fmt::join(ids, ", ")));
 }
 
 std::vector<KeyChange> Candidate::apply(const Condition& condition, double phi) const {

@@ -99,11 +99,11 @@ Condition read_condition(const std::string& id, const std::string& path, const s
   }
   input.check(fmt::format("condition {} ({})", id, path));
   c.type = c.is_scene ? input.scene.type : "study";
-  c.group = c.type == "drum"        ? "drum"
-            : c.type == "slot"      ? "outlet"
-            : c.type == "conveyor"  ? "belt"
-            : c.type == "study"     ? "belt"
-                                    : "bench";
+  c.group = c.type == "drum"       ? "drum"
+            : c.type == "slot"     ? "outlet"
+            : c.type == "conveyor" ? "belt"
+            : c.type == "study"    ? "belt"
+                                   : "bench";
   c.text = input.text();
   return c;
 }
@@ -160,7 +160,8 @@ std::string extended_text(const Condition& study, const std::vector<KeyChange>& 
 
 std::string group_of(const Condition& condition, const std::string& quantity) {
   const auto about = [&](std::initializer_list<const char*> words) {
-    return std::any_of(words.begin(), words.end(), [&](const char* w) { return quantity.find(w) != std::string::npos; });
+    return std::any_of(words.begin(), words.end(),
+                       [&](const char* w) { return quantity.find(w) != std::string::npos; });
   };
   if (condition.group == "bench") return "bench";
   if (about({"holdup", "residence", "axial", "outflow_over_feed", "released"})) return "mass";

@@ -13,7 +13,12 @@ namespace drumsweep {
 
 /// One number of the input changed. Where a file has no such key nothing happens.
 struct KeyChange {
-  enum class How { set, add, scale, below } how;  ///< value; old + value; old (1 + value); (1 - value) times the number at `of`
+  enum class How {
+    set,
+    add,
+    scale,
+    below
+  } how;  ///< value; old + value; old (1 + value); (1 - value) times the number at `of`
   std::string key;
   double value;
   std::string of{};  ///< below: e.g. dynamic friction below material.friction
@@ -33,7 +38,7 @@ struct ConditionResult {
 
 struct Condition {
   std::string id, path;
-  std::string text;   ///< of the scene or study file, known inputs put in: all that a rank needs
+  std::string text;  ///< of the scene or study file, known inputs put in: all that a rank needs
   bool is_scene = true;
   std::string type;   ///< "pile", "drum" ..., "study"
   std::string group;  ///< of its quantities where they do not say themselves; bench | drum | outlet | belt | mass

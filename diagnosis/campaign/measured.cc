@@ -43,13 +43,27 @@ double finite_number(const std::string& text, const std::string& here, const cha
 /// Factor from one unit to another; nothing where they do not measure the same.
 std::optional<double> conversion(const std::string& from, const std::string& to) {
   if (from == to) return 1.0;
-  static const std::map<std::string, std::pair<std::string, double>> base = {
-      {"m", {"m", 1}},         {"cm", {"m", 0.01}},        {"mm", {"m", 0.001}},          {"um", {"m", 1e-6}},
-      {"m/s", {"m/s", 1}},     {"cm/s", {"m/s", 0.01}},    {"mm/s", {"m/s", 0.001}},      {"deg", {"deg", 1}},
-      {"rad", {"deg", 57.29577951308232}},                 {"kg", {"kg", 1}},             {"g", {"kg", 0.001}},
-      {"t", {"kg", 1000}},     {"kg/s", {"kg/s", 1}},      {"g/s", {"kg/s", 0.001}},      {"t/h", {"kg/s", 1 / 3.6}},
-      {"kg/h", {"kg/s", 1 / 3600.0}},                      {"s", {"s", 1}},               {"min", {"s", 60}},
-      {"ms", {"s", 0.001}},    {"1", {"1", 1}},            {"%", {"1", 0.01}}};
+  static const std::map<std::string, std::pair<std::string, double>> base = {{"m", {"m", 1}},
+                                                                             {"cm", {"m", 0.01}},
+                                                                             {"mm", {"m", 0.001}},
+                                                                             {"um", {"m", 1e-6}},
+                                                                             {"m/s", {"m/s", 1}},
+                                                                             {"cm/s", {"m/s", 0.01}},
+                                                                             {"mm/s", {"m/s", 0.001}},
+                                                                             {"deg", {"deg", 1}},
+                                                                             {"rad", {"deg", 57.29577951308232}},
+                                                                             {"kg", {"kg", 1}},
+                                                                             {"g", {"kg", 0.001}},
+                                                                             {"t", {"kg", 1000}},
+                                                                             {"kg/s", {"kg/s", 1}},
+                                                                             {"g/s", {"kg/s", 0.001}},
+                                                                             {"t/h", {"kg/s", 1 / 3.6}},
+                                                                             {"kg/h", {"kg/s", 1 / 3600.0}},
+                                                                             {"s", {"s", 1}},
+                                                                             {"min", {"s", 60}},
+                                                                             {"ms", {"s", 0.001}},
+                                                                             {"1", {"1", 1}},
+                                                                             {"%", {"1", 0.01}}};
   const auto a = base.find(from), b = base.find(to);
   if (a == base.end() || b == base.end() || a->second.first != b->second.first) return std::nullopt;
   return a->second.second / b->second.second;
@@ -99,7 +113,8 @@ MeasuredData parse_measured(const std::string& text, const std::string& source, 
     else if (cells[6] == "available")
       d.use = Use::available;
     else
-      throw InputError(fmt::format("{}use = \"{}\": accepted is fit | holdout | available (not measured yet)", here, cells[6]));
+      throw InputError(
+          fmt::format("{}use = \"{}\": accepted is fit | holdout | available (not measured yet)", here, cells[6]));
     if (d.use != Use::available)
       d.value = finite_number(cells[3], here, "value");
     else if (!cells[3].empty())
@@ -111,22 +126,25 @@ MeasuredData parse_measured(const std::string& text, const std::string& source, 
       ++out.num_assumed;
     } else {
       if (cells[4].empty())
-        throw InputError(here + "sigma: missing; needed is the standard error of the value, above 0 (or the word assumed, see "
-                                "assumed_relative_sigma)");
+        throw InputError(here +
+                         "sigma: missing; needed is the standard error of the value, above 0 (or the word assumed, see "
+                         "assumed_relative_sigma)");
       d.sigma = finite_number(cells[4], here, "sigma");
     }
     if (!(d.sigma > 0)) throw InputError(fmt::format("{}sigma = {}: accepted is above 0", here, d.sigma));
     if (!keys.insert(fmt::format("{}\n{}\n{}", d.condition, d.quantity, d.position)).second)
       throw InputError(fmt::format("{}{} is there twice; give the mean and its error", here, name_of(d)));
     if (d.use == Use::fit && campaign.conditions[c].held_out)
-      throw InputError(fmt::format("{}use = fit: condition {} is held out in the campaign file; a held-out condition must not be "
-                                   "used for fitting",
-                                   here, d.condition));
+      throw InputError(
+          fmt::format("{}use = fit: condition {} is held out in the campaign file; a held-out condition must not be "
+                      "used for fitting",
+                      here, d.condition));
     uses[d.condition].insert(d.use);
     if (uses[d.condition].count(Use::fit) + uses[d.condition].count(Use::holdout) > 1)
-      throw InputError(fmt::format("{}use = {}: condition {} has rows with fit and with holdout; a held-out condition must not be "
-                                   "used for fitting",
-                                   here, cells[6], d.condition));
+      throw InputError(
+          fmt::format("{}use = {}: condition {} has rows with fit and with holdout; a held-out condition must not be "
+                      "used for fitting",
+                      here, cells[6], d.condition));
     out.data.push_back(d);
     out.line.push_back(number);
   }
@@ -134,8 +152,9 @@ MeasuredData parse_measured(const std::string& text, const std::string& source, 
   std::size_t num_fit = 0;
   for (const Datum& d : out.data) num_fit += d.use == Use::fit ? 1 : 0;
   if (num_fit <= campaign.parameters.size())
-    throw InputError(fmt::format("{}: {} rows with use = fit for {} free parameters: accepted is more data than free parameters", source,
-                                 num_fit, campaign.parameters.size()));
+    throw InputError(
+        fmt::format("{}: {} rows with use = fit for {} free parameters: accepted is more data than free parameters",
+                    source, num_fit, campaign.parameters.size()));
   return out;
 }
 
@@ -174,22 +193,24 @@ void match_measured(MeasuredData& measured, const std::string& source, const Cam
     }
     if (found == nullptr) {
       const std::string near = did_you_mean(d.quantity, names);
-      throw InputError(fmt::format("{}quantity = \"{}\": condition {} ({}) has no such one{}; it has {}", here, d.quantity, d.condition,
-                                   campaign.conditions[c].type, near.empty() ? "" : "; did you mean " + near + "?", fmt::join(names, ", ")));
+      throw InputError(fmt::format("{}quantity = \"{}\": condition {} ({}) has no such one{}; it has {}", here,
+                                   d.quantity, d.condition, campaign.conditions[c].type,
+                                   near.empty() ? "" : "; did you mean " + near + "?", fmt::join(names, ", ")));
     }
     if (std::isnan(d.position) != std::isnan(found->position))
       throw InputError(fmt::format("{}position: {} {}", here, d.quantity,
-                                   std::isnan(d.position) ? fmt::format("needs one, {} to {} {}", low, high, found->position_unit)
-                                                          : "has none: leave it empty"));
+                                   std::isnan(d.position)
+                                       ? fmt::format("needs one, {} to {} {}", low, high, found->position_unit)
+                                       : "has none: leave it empty"));
     d.position_unit = found->position_unit;
     if (!std::isnan(d.position) && !(d.position >= low && d.position <= high))
-      throw InputError(fmt::format("{}position = {}: {} is simulated from {} to {} {}", here, d.position, d.quantity, low, high,
-                                   found->position_unit));
+      throw InputError(fmt::format("{}position = {}: {} is simulated from {} to {} {}", here, d.position, d.quantity,
+                                   low, high, found->position_unit));
     if (!std::isfinite(read_off(offered[c], d.quantity, d.position)))
-      throw InputError(fmt::format("{}{}: this condition gives no number for it (too few balls, or too short)", here, name_of(d)));
+      throw InputError(
+          fmt::format("{}{}: this condition gives no number for it (too few balls, or too short)", here, name_of(d)));
     const std::optional<double> factor = conversion(d.unit, found->unit);
-    if (!factor)
-      throw InputError(fmt::format("{}unit = \"{}\": {} is in {}", here, d.unit, d.quantity, found->unit));
+    if (!factor) throw InputError(fmt::format("{}unit = \"{}\": {} is in {}", here, d.unit, d.quantity, found->unit));
     d.value *= *factor;
     d.sigma *= *factor;
     d.unit = found->unit;

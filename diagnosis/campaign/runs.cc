@@ -36,14 +36,19 @@ Eigen::VectorXd kronecker(std::uint64_t index, Index dimensions) {
 }
 
 /// Seeds stay below 2^53, as everywhere.
-std::int64_t mixed(std::int64_t seed, std::uint64_t number) { return replicate_seed(seed, static_cast<double>(number + 1)); }
+std::int64_t mixed(std::int64_t seed, std::uint64_t number) {
+  return replicate_seed(seed, static_cast<double>(number + 1));
+}
 
-std::string header() { return fmt::format("# drumsweep diagnosis folder, layout {}, program {}\n", run_layout, DRUMSWEEP_VERSION); }
+std::string header() {
+  return fmt::format("# drumsweep diagnosis folder, layout {}, program {}\n", run_layout, DRUMSWEEP_VERSION);
+}
 
 }  // namespace
 
 DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_design_runs) {
-  const auto num_parameters = static_cast<Index>(c.parameters.size()), num_effects = static_cast<Index>(c.candidates.size());
+  const auto num_parameters = static_cast<Index>(c.parameters.size()),
+             num_effects = static_cast<Index>(c.candidates.size());
   DesignPoint out;
   out.u = Eigen::VectorXd::Zero(num_parameters);
   out.p = Eigen::VectorXd::Zero(num_effects);
@@ -63,7 +68,9 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
     out.p[k] = e.inner(e.low) + (e.inner(e.high) - e.inner(e.low)) * t;
   };
   const std::size_t number = in_block % 20 < 3 ? 0 : in_block < 12 ? 1 : 2;
-  if (number == 1) strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)), at[num_parameters]);
+  if (number == 1)
+    strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)),
+             at[num_parameters]);
   if (number == 2) {
     if (num_effects == 1) {
       strength(0, at[num_parameters]);
@@ -73,7 +80,8 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
     const auto num_pairs = static_cast<std::size_t>(num_effects * (num_effects - 1) / 2);
     std::size_t left = (block * 8 + in_block - 12) % num_pairs;
     Index a = 0;
-    for (; left >= static_cast<std::size_t>(num_effects - 1 - a); ++a) left -= static_cast<std::size_t>(num_effects - 1 - a);
+    for (; left >= static_cast<std::size_t>(num_effects - 1 - a); ++a)
+      left -= static_cast<std::size_t>(num_effects - 1 - a);
     strength(a, at[num_parameters]);
     strength(a + 1 + static_cast<Index>(left), at[num_parameters + 1]);
   }
@@ -87,7 +95,8 @@ std::optional<RunResult> simulate_run(const Campaign& c, const DesignPoint& poin
     out.observables.emplace_back();
     out.failure.emplace_back();
     try {
-      ConditionResult r = condition.simulate(mixed(point.seed, i), c.changes(condition, point.u, point.p), {point.finer}, threads, go_on);
+      ConditionResult r = condition.simulate(mixed(point.seed, i), c.changes(condition, point.u, point.p),
+                                             {point.finer}, threads, go_on);
       if (r.stopped) return std::nullopt;
       out.observables.back() = std::move(r.observables);
       out.cpu_s += r.cpu_s;
@@ -136,7 +145,8 @@ RunResult unpack_run(const std::string& bytes, const Campaign& c, const std::str
                                    position_units = in.texts(group + "/position_units");
     const std::vector<double> numbers = in.doubles(group + "/numbers");
     for (std::size_t k = 0; k < names.size(); ++k)
-      out.observables.back().push_back({names[k], numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2], units[k], position_units[k]});
+      out.observables.back().push_back(
+          {names[k], numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2], units[k], position_units[k]});
   }
   return out;
 }
@@ -151,7 +161,9 @@ void CampaignStore::check(const Campaign& campaign) const {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       const std::string name = entry.path().filename().string();
       if (name != "lock" && name != "run.log" && entry.path().extension() != ".tmp")
-        throw MismatchError(fmt::format("{}: is not empty and not the output folder of a diagnosis; nothing was changed, choose another folder", folder));
+        throw MismatchError(fmt::format(
+            "{}: is not empty and not the output folder of a diagnosis; nothing was changed, choose another folder",
+            folder));
     }
     return;
   }
@@ -164,10 +176,11 @@ void CampaignStore::check(const Campaign& campaign) const {
     ++at;
   }
   const auto line_of = [&](const std::string& text) { return text.substr(line, text.find('\n', line) - line); };
-  throw MismatchError(fmt::format(
-      "{}: was made by another campaign or program version; nothing was changed. Stored: \"{}\"; given: \"{}\". Measured values, runs "
-      "and bootstraps may change, what is simulated may not",
-      folder, line_of(stored), line_of(given)));
+  throw MismatchError(
+      fmt::format("{}: was made by another campaign or program version; nothing was changed. Stored: \"{}\"; given: "
+                  "\"{}\". Measured values, runs "
+                  "and bootstraps may change, what is simulated may not",
+                  folder, line_of(stored), line_of(given)));
 }
 
 void CampaignStore::open(const Campaign& campaign) const {
@@ -191,14 +204,16 @@ std::vector<std::size_t> wanted_runs(const Campaign& c) {
 
 Work make_work(const Campaign& campaign, int threads) {
   return [campaign, threads](std::size_t task, const GoOn& go_on) -> std::string {
-    const std::optional<RunResult> result = simulate_run(campaign, design_point(campaign, task, numerics_begin), threads, go_on);
+    const std::optional<RunResult> result =
+        simulate_run(campaign, design_point(campaign, task, numerics_begin), threads, go_on);
     return result ? pack_run(campaign, *result) : "";
   };
 }
 
 }  // namespace
 
-TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads, Reporter& reporter) {
+TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads,
+                         Reporter& reporter) {
   const CampaignStore store{folder};
   std::optional<OutputLock> lock;
   try {
@@ -225,8 +240,9 @@ TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string
     job.tasks.push_back(run);
   }
   const std::size_t before = wanted.size() - job.tasks.size();
-  reporter.info(fmt::format("diagnosis \"{}\": {} runs of {} conditions, {} there already, on {} rank{}, into {}", campaign.name, wanted.size(),
-                            campaign.conditions.size(), before, farm.size(), farm.size() == 1 ? "" : "s", folder));
+  reporter.info(fmt::format("diagnosis \"{}\": {} runs of {} conditions, {} there already, on {} rank{}, into {}",
+                            campaign.name, wanted.size(), campaign.conditions.size(), before, farm.size(),
+                            farm.size() == 1 ? "" : "s", folder));
   job.text = fs::absolute(campaign.path).string() + "\n" + campaign.fingerprint();
   job.work = make_work(campaign, threads);
   job.store = [&](std::size_t run, const std::string& bytes) { write_durably(store.run_path(run), bytes); };
@@ -274,7 +290,8 @@ CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder) 
   return plan;
 }
 
-CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& results, std::size_t num_design_runs, const MeasuredData& measured) {
+CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& results, std::size_t num_design_runs,
+                              const MeasuredData& measured) {
   const auto q = static_cast<Index>(measured.data.size());
   CampaignOutputs out;
   const auto outputs_of = [&](const RunResult& r, const DesignPoint& point, std::string& why) {
@@ -284,9 +301,11 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
       const std::size_t condition = c.index_of(d.condition);
       y[i] = read_off(r.observables[condition], d.quantity, d.position);
       for (std::size_t k = 0; k < c.candidates.size(); ++k)
-        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i], c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
+        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i],
+                                       c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
       if (!std::isfinite(y[i]) && why.empty())
-        why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d)) : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
+        why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d))
+                                           : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
     }
     return y;
   };
@@ -302,7 +321,8 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
       out.left_out.push_back(fmt::format("numerics pair {}: {}", (i - num_design_runs) / 2, why));
   }
   out.numerics.resize(static_cast<Index>(difference.size()), q);
-  for (std::size_t i = 0; i < difference.size(); ++i) out.numerics.row(static_cast<Index>(i)) = difference[i].transpose();
+  for (std::size_t i = 0; i < difference.size(); ++i)
+    out.numerics.row(static_cast<Index>(i)) = difference[i].transpose();
   Eigen::VectorXd numerics = Eigen::VectorXd::Zero(q);
   if (!difference.empty()) numerics = out.numerics.colwise().mean().transpose();
 

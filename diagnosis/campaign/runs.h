@@ -32,7 +32,8 @@ struct RunResult {
   double cpu_s = 0;
 };
 /// @return nothing when it was stopped
-std::optional<RunResult> simulate_run(const Campaign& campaign, const DesignPoint& point, int threads, const GoOn& go_on);
+std::optional<RunResult> simulate_run(const Campaign& campaign, const DesignPoint& point, int threads,
+                                      const GoOn& go_on);
 
 std::string pack_run(const Campaign& campaign, const RunResult& result);
 RunResult unpack_run(const std::string& bytes, const Campaign& campaign, const std::string& source);
@@ -54,7 +55,8 @@ struct CampaignStore {
 
 /// Runs what is missing. Results are the same bit for bit for any number of ranks and interruptions.
 /// @throws MismatchError, LockHeldError, WriteError
-TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads, Reporter& reporter);
+TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads,
+                         Reporter& reporter);
 /// The other ranks.
 void serve_campaign(Farm& farm, int threads);
 
@@ -63,14 +65,14 @@ CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder);
 
 /// What the data would have been in each run.
 struct CampaignOutputs {
-  CampaignRuns runs;                     ///< without the runs in which a number was missing
-  Eigen::MatrixXd numerics;              ///< finer - as is (pairs x data)
-  std::vector<std::string> left_out;     ///< why runs are not in there, one line each
+  CampaignRuns runs;                  ///< without the runs in which a number was missing
+  Eigen::MatrixXd numerics;           ///< finer - as is (pairs x data)
+  std::vector<std::string> left_out;  ///< why runs are not in there, one line each
   double cpu_s = 0;
 };
 CampaignOutputs read_runs(const Campaign& campaign, const std::string& folder, const MeasuredData& measured);
 /// The same from runs in memory.
-CampaignOutputs read_off_runs(const Campaign& campaign, const std::vector<RunResult>& results, std::size_t num_design_runs,
-                              const MeasuredData& measured);
+CampaignOutputs read_off_runs(const Campaign& campaign, const std::vector<RunResult>& results,
+                              std::size_t num_design_runs, const MeasuredData& measured);
 
 }  // namespace drumsweep

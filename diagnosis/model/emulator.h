@@ -26,9 +26,9 @@ class Emulator {
   Eigen::Index num_runs() const { return num_runs_; }
   /// (features x outputs), in units of `scale`
   const Eigen::MatrixXd& coefficients() const { return coefficients_; }
-  const Eigen::MatrixXd& inverse_information() const { return a_; }    ///< A (features x features)
-  const Eigen::MatrixXd& noise() const { return noise_; }              ///< Sigma_s (outputs x outputs), units of `scale`
-  const Eigen::MatrixXd& residuals() const { return residuals_; }      ///< (runs x outputs)
+  const Eigen::MatrixXd& inverse_information() const { return a_; }  ///< A (features x features)
+  const Eigen::MatrixXd& noise() const { return noise_; }            ///< Sigma_s (outputs x outputs), units of `scale`
+  const Eigen::MatrixXd& residuals() const { return residuals_; }    ///< (runs x outputs)
   const Eigen::VectorXd& scale() const { return scale_; }
 
   /// Indices of the features that use only the parameters and these effects, in the order of features_of() for that subset.

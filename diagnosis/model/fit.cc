@@ -133,7 +133,8 @@ Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd
 Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
               bool thorough) {
   Eigen::VectorXd start(model.dimensions());
-  start << centre.cwiseMax(-fit_reach).cwiseMin(fit_reach), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.effects.size()));
+  start << centre.cwiseMax(-fit_reach).cwiseMin(fit_reach),
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.effects.size()));
   Fit best = fit_from(model, space, z, centre, start);
   if (!thorough) return best;
   const std::size_t num_corners = std::size_t{1} << model.effects.size();
@@ -167,8 +168,7 @@ double log_evidence(const Fit& fit, const SubModel& model, const Problem& proble
   Eigen::MatrixXd curvature = fit.spread.inverse();
   for (std::size_t k = 0; k < fit.effects.size(); ++k) {
     const CandidateEffect& e = problem.effects[static_cast<std::size_t>(fit.effects[k])];
-    const double scale = e.inner(e.prior_scale),
-                 p = fit.x[model.num_parameters + static_cast<Eigen::Index>(k)] / scale;
+    const double scale = e.inner(e.prior_scale), p = fit.x[model.num_parameters + static_cast<Eigen::Index>(k)] / scale;
     sum += -0.5 * p * p - std::log(scale) + (e.low >= 0 || e.high <= 0 ? std::numbers::ln2 : 0.0);
     const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
     curvature(i, i) += 1 / (scale * scale) - 1;

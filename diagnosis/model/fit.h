@@ -17,10 +17,10 @@ inline constexpr double design_reach = 2.2, fit_reach = 2.6;
 /// A choice of outputs in rotated coordinates.
 struct FitSpace {
   std::vector<Eigen::Index> outputs;
-  Eigen::MatrixXd to_rotated;   ///< z = to_rotated y (outputs x outputs), y in units of the scale
-  Eigen::MatrixXd to_plain;     ///< its inverse
-  Eigen::VectorXd lambda;       ///< variance of the simulation noise in each coordinate
-  Eigen::MatrixXd coefficients; ///< of the emulator, rotated (features x outputs)
+  Eigen::MatrixXd to_rotated;    ///< z = to_rotated y (outputs x outputs), y in units of the scale
+  Eigen::MatrixXd to_plain;      ///< its inverse
+  Eigen::VectorXd lambda;        ///< variance of the simulation noise in each coordinate
+  Eigen::MatrixXd coefficients;  ///< of the emulator, rotated (features x outputs)
 };
 
 struct FitOptions {
@@ -33,11 +33,11 @@ FitSpace make_fit_space(const Emulator& emulator, const std::vector<Eigen::Index
 
 /// One model: the parameters and some effects; all others are off.
 struct SubModel {
-  std::vector<int> effects;           ///< ascending
+  std::vector<int> effects;  ///< ascending
   Eigen::Index num_parameters = 0;
-  Eigen::MatrixXd coefficients;       ///< (features of the model x outputs), rotated
-  Eigen::MatrixXd a;                  ///< A of these features
-  Eigen::VectorXd low, high;          ///< box of x
+  Eigen::MatrixXd coefficients;  ///< (features of the model x outputs), rotated
+  Eigen::MatrixXd a;             ///< A of these features
+  Eigen::VectorXd low, high;     ///< box of x
 
   Eigen::Index dimensions() const { return num_parameters + static_cast<Eigen::Index>(effects.size()); }
 };
@@ -46,9 +46,9 @@ SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const P
 
 struct Fit {
   std::vector<int> effects;
-  Eigen::VectorXd x;       ///< (parameters and effects of the model)
-  double q = 0;            ///< S at the minimum
-  double chi2 = 0;         ///< its first part and the prior's
+  Eigen::VectorXd x;  ///< (parameters and effects of the model)
+  double q = 0;       ///< S at the minimum
+  double chi2 = 0;    ///< its first part and the prior's
   double v = 0;
   Eigen::MatrixXd spread;  ///< posterior covariance of x, from the Gauss-Newton Hessian
 };

@@ -15,16 +15,16 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double unseen = 1.0;           // an effect below this d at the end of its range cannot matter here
-constexpr double certain = 5.0;          // d at which isolation is looked at
-constexpr double exact_twins = 0.5;      // distance in sigma below which no such data tell two effects apart
+constexpr double unseen = 1.0;       // an effect below this d at the end of its range cannot matter here
+constexpr double certain = 5.0;      // d at which isolation is looked at
+constexpr double exact_twins = 0.5;  // distance in sigma below which no such data tell two effects apart
 constexpr double near_twins = 3.0;
-constexpr double rival_rise = 3.84;      // in Q: rivals as near as this stay in the set
-constexpr double twin_rise = 6.63;       // as far as chance takes one case in a hundred
+constexpr double rival_rise = 3.84;  // in Q: rivals as near as this stay in the set
+constexpr double twin_rise = 9;      // in Q: what the emulator's error may make between equal effects
 constexpr double credible = 0.95;
 constexpr double pairs_needed = 0.9;
-constexpr double pairs_prior = 0.3;      // prior weight of all pairs together
-constexpr double established_rise = 16, established_nats = 3, worse_nats = -3;
+constexpr double pairs_prior = 0.3;  // prior weight of all pairs together
+constexpr double established_rise = 16, established_nats = 3, worse_nats = -3, clearly_worse = 3;
 
 double square(double x) { return x * x; }
 
@@ -59,7 +59,8 @@ class Diagnoser {
     out_.num_fitted_data = static_cast<Index>(fit_.size());
     out_.plain = fit_plain(z_, centre_);
     out_.q0 = out_.plain.q;
-    for (int k = 0; k < num_effects_; ++k) out_.singles.push_back(fit_model(single_models_[size(k)], space_, z_, centre_, true));
+    for (int k = 0; k < num_effects_; ++k)
+      out_.singles.push_back(fit_model(single_models_[size(k)], space_, z_, centre_, true));
     test_misfit();
     if (options_.details) {
       look_where();
@@ -288,7 +289,8 @@ class Diagnoser {
     std::vector<double> sorted = directed_draws_;
     std::sort(sorted.begin(), sorted.end());
     const double threshold =
-        sorted.empty() ? 3.0 : std::sqrt(sorted[static_cast<std::size_t>(0.975 * static_cast<double>(sorted.size() - 1))]);
+        sorted.empty() ? 3.0
+                       : std::sqrt(sorted[static_cast<std::size_t>(0.975 * static_cast<double>(sorted.size() - 1))]);
     const double found = threshold + 1.28;
     out_.isolation = Eigen::MatrixXd::Zero(num_effects_, num_effects_);
     std::vector<double> at;
@@ -405,22 +407,37 @@ class Diagnoser {
 
   /// The set among the adequate ones, and what the held-out conditions say to it.
   void choose(std::vector<Candidate>& list) {
-    std::erase_if(list, [](const Candidate& c) { return !c.adequate; });
-    std::sort(list.begin(), list.end(), [](const Candidate& a, const Candidate& b) { return a.log_weight > b.log_weight; });
+    // As near to the data as an adequate one is adequate, on whichever side of its own 99 % point it lies.
+    double adequate_q = std::numeric_limits<double>::infinity();
+    for (const Candidate& c : list)
+      if (c.adequate) adequate_q = std::min(adequate_q, c.fit.q);
+    std::erase_if(list, [&](const Candidate& c) { return !c.adequate && c.fit.q > adequate_q + rival_rise; });
+    std::sort(list.begin(), list.end(),
+              [](const Candidate& a, const Candidate& b) { return a.log_weight > b.log_weight; });
     double total = 0, least_q = std::numeric_limits<double>::infinity(), reached = 0;
     for (const Candidate& c : list) {
       total += std::exp(c.log_weight - list.front().log_weight);
       least_q = std::min(least_q, c.fit.q);
     }
+    std::vector<Explanation> members;
     for (const Candidate& c : list) {
       const double weight = std::exp(c.log_weight - list.front().log_weight) / total;
       const bool in_set = reached < credible || c.fit.q < least_q + rival_rise;
       reached += weight;
-      if (!in_set) continue;
-      Explanation e = explanation(c, weight);
-      const bool refused = !options_.mutation.skip_held_out && !std::isnan(e.held_out_p) &&
-                           (e.held_out_p < options_.held_out_level || e.held_out_nats < worse_nats);
-      (refused ? out_.refused : out_.causes).push_back(std::move(e));
+      if (in_set) members.push_back(explanation(c, weight));
+    }
+    // Who is refused must also do clearly worse than somebody who is not: near twins fall together or not at all.
+    const auto fails = [&](const Explanation& e) {
+      return !options_.mutation.skip_held_out && !std::isnan(e.held_out_p) &&
+             (e.held_out_p < options_.held_out_level || e.held_out_nats < worse_nats);
+    };
+    double kept = -std::numeric_limits<double>::infinity();
+    for (const Explanation& e : members)
+      if (!fails(e)) kept = std::max(kept, e.held_out_nats);
+    for (Explanation& e : members) {
+      const bool refused = fails(e) && e.held_out_nats < kept - clearly_worse;
+      const bool alone = std::isinf(kept) && fails(e);
+      (refused || alone ? out_.refused : out_.causes).push_back(std::move(e));
     }
     add_twins(total, list.empty() ? 0 : list.front().log_weight);
     if (!out_.causes.empty()) out_.gain = gain_of(out_.plain, out_.causes.front().fit);
@@ -444,7 +461,7 @@ class Diagnoser {
   /// Distance in sigma below which these data, and an emulator of this accuracy, do not tell two models apart.
   double twin_distance(double v) const {
     const Eigen::ArrayXd part = v * space_.lambda.array();
-    return std::max(exact_twins, std::sqrt(2 * (part / (1 + part)).sum()));
+    return std::max(exact_twins, 1.3 * std::sqrt(2 * (part / (1 + part)).sum()));
   }
 
   /// Confounding is declared, not fitted away: whoever cannot be told from a member is a member.
@@ -459,7 +476,8 @@ class Diagnoser {
           std::sort(effects.begin(), effects.end());
           if (out_.names(effects)) continue;
           const SubModel truth = model(fit.effects), rival = model(effects);
-          if (distance(rival, space_, predict(truth, fit.x), fit.x.head(truth.num_parameters)) > twin_distance(fit.v)) continue;
+          if (distance(rival, space_, predict(truth, fit.x), fit.x.head(truth.num_parameters)) > twin_distance(fit.v))
+            continue;
           const Candidate twin = candidate(effects, log_prior(effects.size()));
           // Not a twin that has vanished in the fit, nor one that the data hold against all the same.
           const Eigen::VectorXd p = twin.fit.x.tail(static_cast<Index>(effects.size()));
@@ -494,7 +512,8 @@ class Diagnoser {
     const std::vector<Index> features = emulator_.features_of_model(m.effects);
     const Eigen::MatrixXd c = emulator_.coefficients()(features, outputs);
     const Eigen::MatrixXd slope = c.transpose() * feature_slopes(fit.x);
-    return {c.transpose() * features_of(fit.x), covariance_(outputs, outputs) + fit.v * emulator_.noise()(outputs, outputs) +
+    return {c.transpose() * features_of(fit.x), covariance_(outputs, outputs) +
+                                                    fit.v * emulator_.noise()(outputs, outputs) +
                                                     slope * fit.spread * slope.transpose()};
   }
   /// Of the measured values; and their chi^2.
@@ -582,8 +601,8 @@ class Diagnoser {
   const Emulator& emulator_;
   const DiagnosisOptions options_;
   int num_effects_ = 0;
-  Eigen::MatrixXd covariance_;   ///< of the measurements, in units of the scale
-  std::vector<Index> fit_;       ///< data that are fitted
+  Eigen::MatrixXd covariance_;  ///< of the measurements, in units of the scale
+  std::vector<Index> fit_;      ///< data that are fitted
   FitSpace space_;
   Eigen::VectorXd measured_, z_, centre_;
   SubModel plain_model_;

@@ -64,8 +64,9 @@ struct Explanation {
 };
 
 struct Detection {
-  double limit_low, limit_high;  ///< strength that is found in 9 of 10 campaigns like this one; NaN where not in the range
-  double d_at_end;               ///< effect in sigma at the end of its range, after recalibration
+  double limit_low,
+      limit_high;   ///< strength that is found in 9 of 10 campaigns like this one; NaN where not in the range
+  double d_at_end;  ///< effect in sigma at the end of its range, after recalibration
 };
 
 struct Twins {
@@ -83,7 +84,7 @@ struct Advice {
 
 struct HeldOutGain {
   std::vector<std::string> conditions;
-  std::vector<double> nats;  ///< of each condition
+  std::vector<double> nats;                                             ///< of each condition
   double mean = std::nan(""), low = std::nan(""), high = std::nan("");  ///< 95 % t interval, skewness taken out
   double rms_z_before = std::nan(""), rms_z_after = std::nan("");
   double coverage_before = std::nan(""), coverage_after = std::nan("");  ///< of 90 % bands
@@ -109,8 +110,9 @@ struct Diagnosis {
   std::vector<Detection> detection;
   Eigen::MatrixXd isolation;  ///< D (truth x rival) [sigma] where the truth is as strong as d = 5, or at its end
   std::vector<Twins> twins;
-  std::vector<double> pattern_cosine;  ///< of the residual with each effect's signature, a hint when nothing explains it
-  std::vector<Advice> advice;          ///< best first
+  std::vector<double>
+      pattern_cosine;          ///< of the residual with each effect's signature, a hint when nothing explains it
+  std::vector<Advice> advice;  ///< best first
   HeldOutGain gain;
   bool at_edge = false;  ///< a fitted parameter lies at the edge of what the campaign covers
 

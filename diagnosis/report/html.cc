@@ -54,24 +54,34 @@ svg{display:block;width:100%;height:auto;max-width:44rem}svg text{fill:var(--ink
 std::string z_cell(double z) {
   if (std::isnan(z)) return "<td class=\"z\"></td>";
   const double strength = std::clamp((std::abs(z) - 1) / 6, 0.0, 0.75);
-  return fmt::format("<td class=\"z\" style=\"background:rgba(var(--{}),{:.2f})\">{}{:+.1f}</td>", z > 0 ? "low" : "high", std::abs(z) < 2 ? 0.0 : strength,
-                     std::abs(z) < 2 ? "" : z > 0 ? "▼ " : "▲ ", z);
+  return fmt::format("<td class=\"z\" style=\"background:rgba(var(--{}),{:.2f})\">{}{:+.1f}</td>",
+                     z > 0 ? "low" : "high", std::abs(z) < 2 ? 0.0 : strength,
+                     std::abs(z) < 2 ? ""
+                     : z > 0         ? "▼ "
+                                     : "▲ ",
+                     z);
 }
 
 std::string misfit_table(const DiagnosisReport& r) {
   std::string out =
-      "<div class=\"wide\"><table><thead><tr><th>condition, quantity</th><th>measured</th><th>simulated</th><th>z</th><th>recalibrated</th>"
+      "<div class=\"wide\"><table><thead><tr><th>condition, "
+      "quantity</th><th>measured</th><th>simulated</th><th>z</th><th>recalibrated</th>"
       "<th>z</th><th class=\"text\">unit</th><th class=\"text\">group</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < r.result.misfits.size(); ++i) {
     const Datum& d = r.problem.data[i];
     const DatumMisfit& m = r.result.misfits[i];
     if (d.use != Use::fit && d.use != Use::holdout) continue;
-    out += fmt::format("<tr><td>{}{}</td><td>{:.4g} ± {:.2g}</td><td>{:.4g}</td>{}<td>{:.4g}</td>{}<td class=\"text\">{}</td><td class=\"text\">{}</td></tr>\n", escaped(name_of(d)),
-                       d.use == Use::holdout ? " <small>(held out)</small>" : "", d.value, d.sigma, m.simulated_before, z_cell(m.z_before),
-                       m.simulated_after, z_cell(m.z_after), escaped(d.unit), escaped(d.group));
+    out += fmt::format(
+        "<tr><td>{}{}</td><td>{:.4g} ± {:.2g}</td><td>{:.4g}</td>{}<td>{:.4g}</td>{}<td class=\"text\">{}</td><td "
+        "class=\"text\">{}</td></tr>\n",
+        escaped(name_of(d)), d.use == Use::holdout ? " <small>(held out)</small>" : "", d.value, d.sigma,
+        m.simulated_before, z_cell(m.z_before), m.simulated_after, z_cell(m.z_after), escaped(d.unit),
+        escaped(d.group));
   }
-  return out + "</tbody></table></div>\n<p class=\"soft\">z: measured − simulated in standard errors of the difference. ▼ the simulation is too low, ▲ too high; "
-               "shaded from 2 on.</p>\n";
+  return out +
+         "</tbody></table></div>\n<p class=\"soft\">z: measured − simulated in standard errors of the difference. ▼ "
+         "the simulation is too low, ▲ too high; "
+         "shaded from 2 on.</p>\n";
 }
 
 /// Condition by quantity, z after recalibration.
@@ -81,8 +91,10 @@ std::string heat_map(const DiagnosisReport& r) {
   for (std::size_t i = 0; i < r.result.misfits.size(); ++i) {
     const Datum& d = r.problem.data[i];
     if (d.use != Use::fit && d.use != Use::holdout) continue;
-    if (std::find(conditions.begin(), conditions.end(), d.condition) == conditions.end()) conditions.push_back(d.condition);
-    if (std::find(quantities.begin(), quantities.end(), d.quantity) == quantities.end()) quantities.push_back(d.quantity);
+    if (std::find(conditions.begin(), conditions.end(), d.condition) == conditions.end())
+      conditions.push_back(d.condition);
+    if (std::find(quantities.begin(), quantities.end(), d.quantity) == quantities.end())
+      quantities.push_back(d.quantity);
     double& z = worst[{d.condition, d.quantity}];
     if (std::abs(r.result.misfits[i].z_after) > std::abs(z)) z = r.result.misfits[i].z_after;
   }
@@ -111,25 +123,34 @@ std::string gain_figure(const HeldOutGain& g) {
   if (!(high > low)) return "";
   const auto x = [&](double v) { return left + (v - low) / (high - low) * (width - left - right - 60); };
   const double height = top + row * static_cast<double>(g.nats.size() + 1) + 24;
-  std::string out = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"gain of each held-out condition\">\n", width, height);
+  std::string out = fmt::format(
+      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"gain of each held-out condition\">\n", width, height);
   double y = top;
   for (std::size_t i = 0; i < g.nats.size(); ++i, y += row)
-    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text><rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"12\" fill=\"rgba(var(--low),.65)\"/>"
-                       "<text x=\"{:.1f}\" y=\"{}\">{:+.2f}</text>\n",
-                       left - 10, y + 12, escaped(g.conditions[i]), std::min(x(0), x(g.nats[i])), y + 2, std::abs(x(g.nats[i]) - x(0)),
-                       std::max(x(0), x(g.nats[i])) + 6, y + 12, g.nats[i]);
+    out += fmt::format(
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text><rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" "
+        "height=\"12\" fill=\"rgba(var(--low),.65)\"/>"
+        "<text x=\"{:.1f}\" y=\"{}\">{:+.2f}</text>\n",
+        left - 10, y + 12, escaped(g.conditions[i]), std::min(x(0), x(g.nats[i])), y + 2, std::abs(x(g.nats[i]) - x(0)),
+        std::max(x(0), x(g.nats[i])) + 6, y + 12, g.nats[i]);
   if (!std::isnan(g.low))
-    out += fmt::format("<text x=\"{0}\" y=\"{1}\" text-anchor=\"end\" font-weight=\"bold\">mean, 95 %</text><path d=\"M{2:.1f} {3}H{4:.1f}M{2:.1f} {5}v10M{4:.1f} {5}v10\" "
-                       "stroke=\"currentColor\" stroke-width=\"1.5\" fill=\"none\"/><circle cx=\"{6:.1f}\" cy=\"{3}\" r=\"4\" fill=\"currentColor\"/>\n",
-                       left - 10, y + 12, x(g.low), y + 8, x(g.high), y + 3, x(g.mean));
-  out += fmt::format("<path d=\"M{0:.1f} {1}V{2}\" stroke=\"currentColor\" stroke-width=\"1\"/><text x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">0 nats</text></svg>\n", x(0), top - 4,
-                     height - 20, height - 6);
+    out += fmt::format(
+        "<text x=\"{0}\" y=\"{1}\" text-anchor=\"end\" font-weight=\"bold\">mean, 95 %</text><path d=\"M{2:.1f} "
+        "{3}H{4:.1f}M{2:.1f} {5}v10M{4:.1f} {5}v10\" "
+        "stroke=\"currentColor\" stroke-width=\"1.5\" fill=\"none\"/><circle cx=\"{6:.1f}\" cy=\"{3}\" r=\"4\" "
+        "fill=\"currentColor\"/>\n",
+        left - 10, y + 12, x(g.low), y + 8, x(g.high), y + 3, x(g.mean));
+  out += fmt::format(
+      "<path d=\"M{0:.1f} {1}V{2}\" stroke=\"currentColor\" stroke-width=\"1\"/><text x=\"{0:.1f}\" y=\"{3}\" "
+      "text-anchor=\"middle\">0 nats</text></svg>\n",
+      x(0), top - 4, height - 20, height - 6);
   return out;
 }
 
 std::string candidate_table(const DiagnosisReport& r) {
   std::string out =
-      "<div class=\"wide\"><table><thead><tr><th>candidate</th><th>fitted alone</th><th>Q</th><th>seen from</th><th>at the end of its range</th>"
+      "<div class=\"wide\"><table><thead><tr><th>candidate</th><th>fitted alone</th><th>Q</th><th>seen from</th><th>at "
+      "the end of its range</th>"
       "<th class=\"text\">nearest rival</th></tr></thead><tbody>\n";
   const Diagnosis& d = r.result;
   for (std::size_t k = 0; k < r.problem.effects.size() && k < d.detection.size(); ++k) {
@@ -143,15 +164,23 @@ std::string candidate_table(const DiagnosisReport& r) {
     std::string seen = "not in its range";
     if (!std::isnan(limit.limit_high)) seen = fmt::format("{:.3g}{}", limit.limit_high, unit);
     if (!std::isnan(limit.limit_low))
-      seen = std::isnan(limit.limit_high) ? fmt::format("{:.3g}{}", limit.limit_low, unit) : fmt::format("{:.3g} or {}", limit.limit_low, seen);
+      seen = std::isnan(limit.limit_high) ? fmt::format("{:.3g}{}", limit.limit_low, unit)
+                                          : fmt::format("{:.3g} or {}", limit.limit_low, seen);
     if (limit.d_at_end < 1) seen = "nothing here sees it";
-    out += fmt::format("<tr><td title=\"{}\">{}</td><td>{:.3g}{}</td><td>{:.1f}</td><td>{}</td><td>{:.1f} σ</td><td class=\"text\">{}</td></tr>\n", escaped(e.about), escaped(e.id),
-                       e.strength(d.singles[k].x[d.singles[k].x.size() - 1]), unit, d.singles[k].q, seen, limit.d_at_end,
-                       nearest < 0 ? "" : fmt::format("{}, {:.1f} σ", escaped(r.problem.effects[static_cast<std::size_t>(nearest)].id), d.isolation(row, nearest)));
+    out += fmt::format(
+        "<tr><td title=\"{}\">{}</td><td>{:.3g}{}</td><td>{:.1f}</td><td>{}</td><td>{:.1f} σ</td><td "
+        "class=\"text\">{}</td></tr>\n",
+        escaped(e.about), escaped(e.id), e.strength(d.singles[k].x[d.singles[k].x.size() - 1]), unit, d.singles[k].q,
+        seen, limit.d_at_end,
+        nearest < 0 ? ""
+                    : fmt::format("{}, {:.1f} σ", escaped(r.problem.effects[static_cast<std::size_t>(nearest)].id),
+                                  d.isolation(row, nearest)));
   }
-  return out + fmt::format("</tbody></table></div>\n<p class=\"soft\">Q of the plain model: {:.1f}. Seen from: the strength that is found in 9 of 10 campaigns like this one. "
-                           "Nearest rival: how far it stays, after refitting, where the candidate is 5 σ strong.</p>\n",
-                           d.q0);
+  return out + fmt::format(
+                   "</tbody></table></div>\n<p class=\"soft\">Q of the plain model: {:.1f}. Seen from: the strength "
+                   "that is found in 9 of 10 campaigns like this one. "
+                   "Nearest rival: how far it stays, after refitting, where the candidate is 5 σ strong.</p>\n",
+                   d.q0);
 }
 
 }  // namespace
@@ -159,11 +188,15 @@ std::string candidate_table(const DiagnosisReport& r) {
 std::string report_html(const DiagnosisReport& r) {
   const Diagnosis& d = r.result;
   std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">"
-      "<title>{0}: diagnosis</title><style>{1}</style></head><body>\n<h1>{0}</h1>\n<p class=\"soft\">What the simulation gets wrong, why, and what is gained. "
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\">"
+      "<title>{0}: diagnosis</title><style>{1}</style></head><body>\n<h1>{0}</h1>\n<p class=\"soft\">What the "
+      "simulation gets wrong, why, and what is gained. "
       "{2} simulated runs, {3} fitted data.</p>\n<p class=\"verdict{4}\">{5}</p>\n",
-      escaped(r.campaign.name), style, r.num_runs, d.num_fitted_data, d.verdict == Verdict::nothing_wrong ? " fine" : "", escaped(headline(r)));
-  if (const std::string next = next_measurement(r); !next.empty()) out += fmt::format("<p><strong>Measure next</strong> {}.</p>\n", escaped(next));
+      escaped(r.campaign.name), style, r.num_runs, d.num_fitted_data,
+      d.verdict == Verdict::nothing_wrong ? " fine" : "", escaped(headline(r)));
+  if (const std::string next = next_measurement(r); !next.empty())
+    out += fmt::format("<p><strong>Measure next</strong> {}.</p>\n", escaped(next));
   for (const std::string& note : r.notes) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(note));
 
   // The six steps: those with numbers in columns as tables, the others as the text has them.
@@ -183,29 +216,42 @@ std::string report_html(const DiagnosisReport& r) {
   };
   out += "<h2>1. Checks</h2>\n" + section("1. Checks", "2. What is wrong");
   out += "<h2>2. What is wrong</h2>\n";
-  out += fmt::format("<p>p = {:.2g} (all data {:.2g}, towards a candidate {:.2g}). All error bars would have to be × {:.2f} for the model to pass.</p>\n", d.p_value, d.p_omnibus,
-                     d.p_directed, d.birge);
+  out += fmt::format(
+      "<p>p = {:.2g} (all data {:.2g}, towards a candidate {:.2g}). All error bars would have to be × {:.2f} for the "
+      "model to pass.</p>\n",
+      d.p_value, d.p_omnibus, d.p_directed, d.birge);
   out += "<p>" + escaped(misfits_in_words(r)) + ".</p>\n";
-  out += "<div class=\"wide\"><table><thead><tr><th>group</th><th>data</th><th>chi²</th><th>p</th></tr></thead><tbody>\n";
+  out +=
+      "<div class=\"wide\"><table><thead><tr><th>group</th><th>data</th><th>chi²</th><th>p</th></tr></thead><tbody>\n";
   for (const GroupMisfit& g : d.groups)
-    out += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.1f}</td><td>{:.2g}{}</td></tr>\n", escaped(g.group), g.num_data, g.chi2, g.p, g.p < 0.01 ? " misfits" : "");
+    out += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.1f}</td><td>{:.2g}{}</td></tr>\n", escaped(g.group),
+                       g.num_data, g.chi2, g.p, g.p < 0.01 ? " misfits" : "");
   out += "</tbody></table></div>\n" + heat_map(r) + misfit_table(r);
   out += "<h2>3. The cause</h2>\n";
   for (const Explanation& e : d.causes)
-    out += fmt::format("<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}; held-out conditions: p = {:.2g}, {:+.1f} nats.</p>\n", escaped(describe(r, e)), e.q, d.q0, e.weight, e.held_out_p,
-                       e.held_out_nats);
+    out += fmt::format(
+        "<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}; held-out conditions: p = {:.2g}, {:+.1f} nats.</p>\n",
+        escaped(describe(r, e)), e.q, d.q0, e.weight, e.held_out_p, e.held_out_nats);
   for (const Explanation& e : d.refused)
-    out += fmt::format("<p>Refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats).</p>\n", escaped(describe(r, e)), e.held_out_p, e.held_out_nats);
+    out += fmt::format("<p>Refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats).</p>\n",
+                       escaped(describe(r, e)), e.held_out_p, e.held_out_nats);
   for (const Twins& t : d.twins)
-    out += fmt::format("<p>{} and {} {}.</p>\n", escaped(r.problem.effects[static_cast<std::size_t>(t.a)].id), escaped(r.problem.effects[static_cast<std::size_t>(t.b)].id),
-                       t.exact ? "cannot be told apart by these data" : fmt::format("are near twins, at most {:.1f} σ apart", t.distance));
+    out += fmt::format("<p>{} and {} {}.</p>\n", escaped(r.problem.effects[static_cast<std::size_t>(t.a)].id),
+                       escaped(r.problem.effects[static_cast<std::size_t>(t.b)].id),
+                       t.exact ? "cannot be told apart by these data"
+                               : fmt::format("are near twins, at most {:.1f} σ apart", t.distance));
   if (d.verdict == Verdict::none_of_these)
     for (std::size_t k = 0; k < d.pattern_cosine.size(); ++k)
       if (std::abs(d.pattern_cosine[k]) > 0.5)
-        out += fmt::format("<p>The misfit resembles {} (cosine {:.2f}): a hint, not a name.</p>\n", escaped(r.problem.effects[k].id), d.pattern_cosine[k]);
+        out += fmt::format("<p>The misfit resembles {} (cosine {:.2f}): a hint, not a name.</p>\n",
+                           escaped(r.problem.effects[k].id), d.pattern_cosine[k]);
   if (!d.advice.empty()) {
-    out += "<div class=\"wide\"><table><thead><tr><th>measurement</th><th>predicted distance</th><th>power</th></tr></thead><tbody>\n";
-    for (const Advice& a : d.advice) out += fmt::format("<tr><td>{}</td><td>{:.1f} σ</td><td>{:.0f} %</td></tr>\n", escaped(a.measurement), a.distance, 100 * a.power);
+    out +=
+        "<div class=\"wide\"><table><thead><tr><th>measurement</th><th>predicted "
+        "distance</th><th>power</th></tr></thead><tbody>\n";
+    for (const Advice& a : d.advice)
+      out += fmt::format("<tr><td>{}</td><td>{:.1f} σ</td><td>{:.0f} %</td></tr>\n", escaped(a.measurement), a.distance,
+                         100 * a.power);
     out += "</tbody></table></div>\n";
   }
   out += candidate_table(r);
@@ -215,13 +261,19 @@ std::string report_html(const DiagnosisReport& r) {
     out += section("5. The gain", "6. What it changes");
   } else {
     const HeldOutGain& g = d.gain;
-    out += fmt::format("<p>{:.2f} nats a held-out condition [{:.2f}, {:.2f}]: {}.</p>\n", g.mean, g.low, g.high, g.adopted ? "adopted" : "not supported, as the interval does not exclude zero");
+    out += fmt::format("<p>{:.2f} nats a held-out condition [{:.2f}, {:.2f}]: {}.</p>\n", g.mean, g.low, g.high,
+                       g.adopted ? "adopted" : "not supported, as the interval does not exclude zero");
     out += gain_figure(g);
-    out += "<div class=\"wide\"><table><thead><tr><th>root mean square difference</th><th>plain</th><th>extended</th><th class=\"text\">unit</th></tr></thead><tbody>\n";
+    out +=
+        "<div class=\"wide\"><table><thead><tr><th>root mean square difference</th><th>plain</th><th>extended</th><th "
+        "class=\"text\">unit</th></tr></thead><tbody>\n";
     for (const HeldOutGain::Quantity& q : g.quantities)
-      out += fmt::format("<tr><td>{}</td><td>{:.3g}</td><td>{:.3g}</td><td class=\"text\">{}</td></tr>\n", escaped(q.quantity), q.rms_before, q.rms_after, escaped(q.unit));
-    out += fmt::format("<tr><td>z</td><td>{:.2f}</td><td>{:.2f}</td><td class=\"text\">1</td></tr><tr><td>within 90 % bands</td><td>{:.0f}</td><td>{:.0f}</td><td class=\"text\">%</td></tr></tbody></table></div>\n",
-                       g.rms_z_before, g.rms_z_after, 100 * g.coverage_before, 100 * g.coverage_after);
+      out += fmt::format("<tr><td>{}</td><td>{:.3g}</td><td>{:.3g}</td><td class=\"text\">{}</td></tr>\n",
+                         escaped(q.quantity), q.rms_before, q.rms_after, escaped(q.unit));
+    out += fmt::format(
+        "<tr><td>z</td><td>{:.2f}</td><td>{:.2f}</td><td class=\"text\">1</td></tr><tr><td>within 90 % "
+        "bands</td><td>{:.0f}</td><td>{:.0f}</td><td class=\"text\">%</td></tr></tbody></table></div>\n",
+        g.rms_z_before, g.rms_z_after, 100 * g.coverage_before, 100 * g.coverage_after);
   }
   out += "<h2>6. What it changes</h2>\n" + section("6. What it changes", "");
   return out + "</body></html>\n";

@@ -18,7 +18,8 @@ using Index = Eigen::Index;
 constexpr double largest_numerics = 0.3;
 
 /// Outputs scaled to what another program has simulated, where the campaign says so.
-CampaignRuns on_baseline(const Campaign& campaign, const Problem& problem, CampaignRuns runs, std::vector<std::string>& notes) {
+CampaignRuns on_baseline(const Campaign& campaign, const Problem& problem, CampaignRuns runs,
+                         std::vector<std::string>& notes) {
   const auto has_baseline = [](const Condition& c) { return !c.baseline.empty(); };
   if (std::none_of(campaign.conditions.begin(), campaign.conditions.end(), has_baseline)) return runs;
   const Emulator own(runs, scale_of(problem));
@@ -29,7 +30,9 @@ CampaignRuns on_baseline(const Campaign& campaign, const Problem& problem, Campa
       if (quantity != d.quantity) continue;
       const double here = plain[i] * own.scale()[i];
       runs.outputs.col(i) *= value / here;
-      notes.push_back(fmt::format("{}: the campaign's baseline {:.4g} {} stands for this engine's {:.4g}; its responses are scaled with it", name_of(d), value, d.unit, here));
+      notes.push_back(fmt::format(
+          "{}: the campaign's baseline {:.4g} {} stands for this engine's {:.4g}; its responses are scaled with it",
+          name_of(d), value, d.unit, here));
     }
   }
   return runs;
@@ -48,21 +51,25 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   const Emulator emulator(runs, scale_of(r.problem));
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
-    r.notes.push_back(fmt::format(
-        "{} runs are below the budget law's {} (9 coefficients (sigma_s / sigma_m)^2): intervals are too narrow and true pairs may be "
-        "refused; false alarms stay right",
-        r.num_runs, r.budget));
+    r.notes.push_back(
+        fmt::format("{} runs are below the budget law's {} (9 coefficients (sigma_s / sigma_m)^2): intervals are too "
+                    "narrow and true pairs may be "
+                    "refused; false alarms stay right",
+                    r.num_runs, r.budget));
   if (measured.num_assumed > 0)
-    r.notes.push_back(fmt::format(
-        "{} of {} data came without an error; {:.3g} % of their values stand for it. The p-value holds for that assumption only, and no "
-        "cause is called established",
-        measured.num_assumed, measured.data.size(), 100 * campaign.assumed_relative_sigma));
+    r.notes.push_back(
+        fmt::format("{} of {} data came without an error; {:.3g} % of their values stand for it. The p-value holds for "
+                    "that assumption only, and no "
+                    "cause is called established",
+                    measured.num_assumed, measured.data.size(), 100 * campaign.assumed_relative_sigma));
   const Index pairs = outputs.numerics.rows();
   if (pairs > 1) {
     for (Index i = 0; i < outputs.numerics.cols(); ++i) {
       const Eigen::ArrayXd d = outputs.numerics.col(i).array();
-      const double mean = d.mean(), error = std::sqrt((d - mean).square().sum() / static_cast<double>(pairs - 1) / static_cast<double>(pairs));
-      r.numerics.push_back({static_cast<std::size_t>(i), mean, error, mean / r.problem.data[static_cast<std::size_t>(i)].sigma});
+      const double mean = d.mean(), error = std::sqrt((d - mean).square().sum() / static_cast<double>(pairs - 1) /
+                                                      static_cast<double>(pairs));
+      r.numerics.push_back(
+          {static_cast<std::size_t>(i), mean, error, mean / r.problem.data[static_cast<std::size_t>(i)].sigma});
     }
   } else {
     r.notes.push_back("numerics were not checked (numerics_runs)");
@@ -76,7 +83,8 @@ std::string describe(const DiagnosisReport& r, const Explanation& cause) {
   std::vector<std::string> list;
   for (const NamedEffect& n : cause.effects) {
     const CandidateEffect& e = r.problem.effects[static_cast<std::size_t>(n.effect)];
-    list.push_back(fmt::format("{} {:.3g}{} [{:.3g}, {:.3g}]", e.id, n.strength, e.unit == "1" ? "" : " " + e.unit, n.low, n.high));
+    list.push_back(fmt::format("{} {:.3g}{} [{:.3g}, {:.3g}]", e.id, n.strength, e.unit == "1" ? "" : " " + e.unit,
+                               n.low, n.high));
   }
   return fmt::format("{}", fmt::join(list, " and "));
 }
@@ -94,7 +102,8 @@ std::string headline(const DiagnosisReport& r) {
     case Verdict::ambiguous: {
       std::vector<std::string> list;
       for (const Explanation& e : d.causes) list.push_back(describe(r, e));
-      return fmt::format("AMBIGUOUS: something is wrong ({}), and these data cannot separate {}", p, fmt::join(list, " | "));
+      return fmt::format("AMBIGUOUS: something is wrong ({}), and these data cannot separate {}", p,
+                         fmt::join(list, " | "));
     }
     case Verdict::none_of_these:
       break;
@@ -120,9 +129,11 @@ std::string misfits_in_words(const DiagnosisReport& r) {
 std::string next_measurement(const DiagnosisReport& r) {
   if (r.result.advice.empty()) return "";
   const Advice& a = r.result.advice.front();
-  return fmt::format("{}: its nearest members would then be {:.1f} sigma apart, so the truth would be told from the nearest rival with a "
-                     "probability of {:.0f} %",
-                     a.measurement, a.distance, 100 * a.power);
+  return fmt::format(
+      "{}: its nearest members would then be {:.1f} sigma apart, so the truth would be told from the nearest rival "
+      "with a "
+      "probability of {:.0f} %",
+      a.measurement, a.distance, 100 * a.power);
 }
 
 std::string report_text(const DiagnosisReport& r) {
@@ -139,56 +150,77 @@ std::string report_text(const DiagnosisReport& r) {
       continue;
     }
     ++coarse;
-    out += fmt::format("  NUMERICAL ERROR {}: half the time step and 4 x iterations change it by {:.3g} +- {:.2g} {}, {:.2f} sigma (accepted is 0.3)\n",
-                       name_of(r.problem.data[c.datum]), c.difference, c.error, r.problem.data[c.datum].unit, c.in_sigma);
+    out += fmt::format(
+        "  NUMERICAL ERROR {}: half the time step and 4 x iterations change it by {:.3g} +- {:.2g} {}, {:.2f} sigma "
+        "(accepted is 0.3)\n",
+        name_of(r.problem.data[c.datum]), c.difference, c.error, r.problem.data[c.datum].unit, c.in_sigma);
   }
   if (unsure > 0)
-    out += fmt::format("  numerics: of {} more data {} pairs of runs do not say whether they change by more than {} sigma (numerics_runs)\n", unsure, r.campaign.numerics_runs, largest_numerics);
+    out += fmt::format(
+        "  numerics: of {} more data {} pairs of runs do not say whether they change by more than {} sigma "
+        "(numerics_runs)\n",
+        unsure, r.campaign.numerics_runs, largest_numerics);
   if (!r.numerics.empty() && coarse + unsure == 0)
-    out += fmt::format("  numerics: half the time step and 4 x iterations change no datum by more than {} sigma\n", largest_numerics);
+    out += fmt::format("  numerics: half the time step and 4 x iterations change no datum by more than {} sigma\n",
+                       largest_numerics);
   for (std::size_t i = 0; i < r.problem.data.size(); ++i) {
     const Datum& datum = r.problem.data[i];
-    if (datum.quantity != "axial_velocity" || datum.use != Use::fit || d.misfits.empty() || std::abs(d.misfits[i].z_before) < 2) continue;
-    out += fmt::format("  conservation, {}: at equal feed the simulated {:.3g} m/s instead of {:.3g} m/s mean a fill of {:.2f} times the machine's, whatever "
-                       "the friction\n",
-                       datum.condition, d.misfits[i].simulated_before, datum.value, datum.value / d.misfits[i].simulated_before);
+    if (datum.quantity != "axial_velocity" || datum.use != Use::fit || d.misfits.empty() ||
+        std::abs(d.misfits[i].z_before) < 2)
+      continue;
+    out += fmt::format(
+        "  conservation, {}: at equal feed the simulated {:.3g} m/s instead of {:.3g} m/s mean a fill of {:.2f} times "
+        "the machine's, whatever "
+        "the friction\n",
+        datum.condition, d.misfits[i].simulated_before, datum.value, datum.value / d.misfits[i].simulated_before);
   }
 
-  out += fmt::format("\n2. What is wrong\n  p = {:.2g} (all data {:.2g}, towards a candidate {:.2g}); Q = {:.1f} of {} fitted data; all error bars would have to "
-                     "be x {:.2f} for the model to pass\n",
-                     d.p_value, d.p_omnibus, d.p_directed, d.q0, d.num_fitted_data, d.birge);
+  out += fmt::format(
+      "\n2. What is wrong\n  p = {:.2g} (all data {:.2g}, towards a candidate {:.2g}); Q = {:.1f} of {} fitted data; "
+      "all error bars would have to "
+      "be x {:.2f} for the model to pass\n",
+      d.p_value, d.p_omnibus, d.p_directed, d.q0, d.num_fitted_data, d.birge);
   out += "  " + misfits_in_words(r) + "\n";
   for (const GroupMisfit& g : d.groups)
-    out += fmt::format("  {:<8} {:>3} data, chi2 {:>8.1f}, p = {:.2g}{}\n", g.group, g.num_data, g.chi2, g.p, g.p < 0.01 ? "  <- misfits" : "");
+    out += fmt::format("  {:<8} {:>3} data, chi2 {:>8.1f}, p = {:.2g}{}\n", g.group, g.num_data, g.chi2, g.p,
+                       g.p < 0.01 ? "  <- misfits" : "");
   for (std::size_t j = 0; j < r.problem.parameters.size() && !d.theta_z.empty(); ++j) {
     const FreeParameter& p = r.problem.parameters[j];
-    out += fmt::format("  {} recalibrated to {:.4g} (bench {:.4g} +- {:.2g} {}), z = {:.1f}\n", p.id, p.mean + p.sigma * d.plain.x[static_cast<Index>(j)],
-                       p.mean, p.sigma, p.unit, d.theta_z[j]);
+    out += fmt::format("  {} recalibrated to {:.4g} (bench {:.4g} +- {:.2g} {}), z = {:.1f}\n", p.id,
+                       p.mean + p.sigma * d.plain.x[static_cast<Index>(j)], p.mean, p.sigma, p.unit, d.theta_z[j]);
   }
-  if (d.at_edge) out += "  a parameter lies at the edge of what the campaign covers: widen its sigma, or doubt its bench value\n";
-  out += fmt::format("  {:<44}{:>12}{:>11}{:>12}{:>8}{:>12}{:>8}\n", "", "measured", "sigma", "simulated", "z", "recalibr.", "z");
+  if (d.at_edge)
+    out += "  a parameter lies at the edge of what the campaign covers: widen its sigma, or doubt its bench value\n";
+  out += fmt::format("  {:<44}{:>12}{:>11}{:>12}{:>8}{:>12}{:>8}\n", "", "measured", "sigma", "simulated", "z",
+                     "recalibr.", "z");
   for (std::size_t i = 0; i < d.misfits.size(); ++i) {
     const Datum& datum = r.problem.data[i];
     const DatumMisfit& m = d.misfits[i];
     if (datum.use == Use::available || datum.use == Use::ignored) continue;
-    out += fmt::format("  {:<44}{:>12.4g}{:>11.2g}{:>12.4g}{:>8.1f}{:>12.4g}{:>8.1f}  {}{}{}\n", name_of(datum), datum.value, datum.sigma,
-                       m.simulated_before, m.z_before, m.simulated_after, m.z_after, datum.unit,
-                       std::abs(m.z_before) < 2 ? "" : m.z_before > 0 ? ", simulation too low" : ", simulation too high",
-                       datum.use == Use::holdout ? " (held out)" : "");
+    out +=
+        fmt::format("  {:<44}{:>12.4g}{:>11.2g}{:>12.4g}{:>8.1f}{:>12.4g}{:>8.1f}  {}{}{}\n", name_of(datum),
+                    datum.value, datum.sigma, m.simulated_before, m.z_before, m.simulated_after, m.z_after, datum.unit,
+                    std::abs(m.z_before) < 2 ? ""
+                    : m.z_before > 0         ? ", simulation too low"
+                                             : ", simulation too high",
+                    datum.use == Use::holdout ? " (held out)" : "");
   }
 
   out += "\n3. The cause\n  " + headline(r) + "\n";
   for (const Explanation& e : d.causes)
-    out += fmt::format("  - {}: Q {:.1f} (plain model {:.1f}), weight {:.2f}, held out: p = {:.2g}, {:+.1f} nats\n", describe(r, e), e.q, d.q0, e.weight, e.held_out_p,
-                       e.held_out_nats);
+    out += fmt::format("  - {}: Q {:.1f} (plain model {:.1f}), weight {:.2f}, held out: p = {:.2g}, {:+.1f} nats\n",
+                       describe(r, e), e.q, d.q0, e.weight, e.held_out_p, e.held_out_nats);
   for (const Explanation& e : d.refused)
-    out += fmt::format("  refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats)\n", describe(r, e), e.held_out_p, e.held_out_nats);
+    out += fmt::format("  refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats)\n", describe(r, e),
+                       e.held_out_p, e.held_out_nats);
   if (d.verdict == Verdict::none_of_these)
     for (std::size_t k = 0; k < d.pattern_cosine.size(); ++k)
       if (std::abs(d.pattern_cosine[k]) > 0.5)
-        out += fmt::format("  the misfit resembles {} (cosine {:.2f}); a hint, not a name\n", r.problem.effects[k].id, d.pattern_cosine[k]);
+        out += fmt::format("  the misfit resembles {} (cosine {:.2f}); a hint, not a name\n", r.problem.effects[k].id,
+                           d.pattern_cosine[k]);
   for (const Twins& t : d.twins)
-    out += fmt::format("  {} and {} {}\n", r.problem.effects[static_cast<std::size_t>(t.a)].id, r.problem.effects[static_cast<std::size_t>(t.b)].id,
+    out += fmt::format("  {} and {} {}\n", r.problem.effects[static_cast<std::size_t>(t.a)].id,
+                       r.problem.effects[static_cast<std::size_t>(t.b)].id,
                        t.exact ? "cannot be told apart by these data at all: one is named, both are meant"
                                : fmt::format("are near twins: {:.1f} sigma apart at most", t.distance));
   if (const std::string next = next_measurement(r); !next.empty()) out += "  measure next " + next + "\n";
@@ -215,25 +247,29 @@ std::string report_text(const DiagnosisReport& r) {
   out += "\n4. The extension\n";
   const auto studies = extended_studies(r);
   for (const auto& [name, text] : studies) out += fmt::format("  {}\n", name);
-  if (studies.empty()) out += d.causes.empty() ? "  none: no cause was found\n" : "  none: the campaign names no study\n";
+  if (studies.empty())
+    out += d.causes.empty() ? "  none: no cause was found\n" : "  none: the campaign names no study\n";
 
   out += "\n5. The gain, on held-out conditions\n";
   const HeldOutGain& g = d.gain;
   if (g.nats.empty()) {
     out += d.causes.empty() ? "  none: nothing was extended\n" : "  not known: no condition was held out\n";
   } else {
-    out += fmt::format("  {:.2f} nats a condition [{:.2f}, {:.2f}] over {} conditions: {}\n", g.mean, g.low, g.high, g.nats.size(),
-                       g.adopted ? "adopted" : "not supported (the interval does not exclude zero)");
+    out += fmt::format("  {:.2f} nats a condition [{:.2f}, {:.2f}] over {} conditions: {}\n", g.mean, g.low, g.high,
+                       g.nats.size(), g.adopted ? "adopted" : "not supported (the interval does not exclude zero)");
     if (g.nats.size() < 6) out += "  fewer than 6 held-out conditions hardly ever prove a gain\n";
-    for (std::size_t i = 0; i < g.nats.size(); ++i) out += fmt::format("    {:<30} {:+.2f}\n", g.conditions[i], g.nats[i]);
-    out += fmt::format("  root mean square z {:.2f} -> {:.2f}; 90 % bands hold {:.0f} % -> {:.0f} %\n", g.rms_z_before, g.rms_z_after, 100 * g.coverage_before,
-                       100 * g.coverage_after);
+    for (std::size_t i = 0; i < g.nats.size(); ++i)
+      out += fmt::format("    {:<30} {:+.2f}\n", g.conditions[i], g.nats[i]);
+    out += fmt::format("  root mean square z {:.2f} -> {:.2f}; 90 % bands hold {:.0f} % -> {:.0f} %\n", g.rms_z_before,
+                       g.rms_z_after, 100 * g.coverage_before, 100 * g.coverage_after);
     for (const HeldOutGain::Quantity& q : g.quantities)
-      out += fmt::format("    {:<30} {:.3g} -> {:.3g} {} (root mean square difference)\n", q.quantity, q.rms_before, q.rms_after, q.unit);
+      out += fmt::format("    {:<30} {:.3g} -> {:.3g} {} (root mean square difference)\n", q.quantity, q.rms_before,
+                         q.rms_after, q.unit);
   }
   out += "\n6. What it changes\n";
-  out += studies.empty() ? "  nothing: there is no extended study\n"
-                         : "  run the study and extended.toml, and compare the optima (`drumsweep run`, `drumsweep contour`)\n";
+  out += studies.empty()
+             ? "  nothing: there is no extended study\n"
+             : "  run the study and extended.toml, and compare the optima (`drumsweep run`, `drumsweep contour`)\n";
   return out;
 }
 
@@ -241,27 +277,36 @@ std::vector<std::pair<std::string, std::string>> report_tables(const DiagnosisRe
   const Diagnosis& d = r.result;
   const auto number = [](double v) { return std::isfinite(v) ? fmt::format("{}", v) : std::string(); };
   const auto use = [](Use u) { return u == Use::fit ? "fit" : u == Use::holdout ? "holdout" : "available"; };
-  std::string misfit = "condition,quantity,position,unit,group,use,measured,sigma,simulated,simulated_sigma,z,recalibrated,recalibrated_sigma,z_recalibrated,numerics\n";
+  std::string misfit =
+      "condition,quantity,position,unit,group,use,measured,sigma,simulated,simulated_sigma,z,recalibrated,recalibrated_"
+      "sigma,z_recalibrated,numerics\n";
   for (std::size_t i = 0; i < d.misfits.size(); ++i) {
     const Datum& t = r.problem.data[i];
     const DatumMisfit& m = d.misfits[i];
-    misfit += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", t.condition, t.quantity, number(t.position), t.unit, t.group, use(t.use), number(t.value),
-                          number(t.sigma), number(m.simulated_before), number(m.sigma_before), number(m.z_before), number(m.simulated_after),
-                          number(m.sigma_after), number(m.z_after), r.numerics.empty() ? "" : number(r.numerics[i].difference));
+    misfit += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", t.condition, t.quantity, number(t.position),
+                          t.unit, t.group, use(t.use), number(t.value), number(t.sigma), number(m.simulated_before),
+                          number(m.sigma_before), number(m.z_before), number(m.simulated_after), number(m.sigma_after),
+                          number(m.z_after), r.numerics.empty() ? "" : number(r.numerics[i].difference));
   }
-  std::string candidates = "candidate,unit,fitted_alone,q_alone,q_plain,detection_low,detection_high,sigma_at_end,nearest_rival,nearest_distance\n";
+  std::string candidates =
+      "candidate,unit,fitted_alone,q_alone,q_plain,detection_low,detection_high,sigma_at_end,nearest_rival,nearest_"
+      "distance\n";
   for (std::size_t k = 0; k < r.problem.effects.size(); ++k) {
     const CandidateEffect& e = r.problem.effects[k];
     Index nearest = -1;
     for (Index j = 0; j < d.isolation.cols(); ++j)
-      if (j != static_cast<Index>(k) && (nearest < 0 || d.isolation(static_cast<Index>(k), j) < d.isolation(static_cast<Index>(k), nearest))) nearest = j;
-    candidates += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", e.id, e.unit, number(e.strength(d.singles[k].x[d.singles[k].x.size() - 1])), number(d.singles[k].q),
-                              number(d.q0), number(d.detection[k].limit_low), number(d.detection[k].limit_high), number(d.detection[k].d_at_end),
-                              nearest < 0 ? "" : r.problem.effects[static_cast<std::size_t>(nearest)].id,
-                              nearest < 0 ? "" : number(d.isolation(static_cast<Index>(k), nearest)));
+      if (j != static_cast<Index>(k) &&
+          (nearest < 0 || d.isolation(static_cast<Index>(k), j) < d.isolation(static_cast<Index>(k), nearest)))
+        nearest = j;
+    candidates += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{}\n", e.id, e.unit, number(e.strength(d.singles[k].x[d.singles[k].x.size() - 1])),
+        number(d.singles[k].q), number(d.q0), number(d.detection[k].limit_low), number(d.detection[k].limit_high),
+        number(d.detection[k].d_at_end), nearest < 0 ? "" : r.problem.effects[static_cast<std::size_t>(nearest)].id,
+        nearest < 0 ? "" : number(d.isolation(static_cast<Index>(k), nearest)));
   }
   std::string gain = "condition,gain_nats\n";
-  for (std::size_t i = 0; i < d.gain.nats.size(); ++i) gain += fmt::format("{},{}\n", d.gain.conditions[i], number(d.gain.nats[i]));
+  for (std::size_t i = 0; i < d.gain.nats.size(); ++i)
+    gain += fmt::format("{},{}\n", d.gain.conditions[i], number(d.gain.nats[i]));
   return {{"misfit.csv", misfit}, {"candidates.csv", candidates}, {"gain.csv", gain}};
 }
 
@@ -281,7 +326,8 @@ std::string report_hdf5(const DiagnosisReport& r) {
     const DatumMisfit& m = d.misfits[i];
     names.push_back(name_of(r.problem.data[i]));
     units.push_back(r.problem.data[i].unit);
-    table.insert(table.end(), {r.problem.data[i].value, r.problem.data[i].sigma, m.simulated_before, m.z_before, m.simulated_after, m.z_after});
+    table.insert(table.end(), {r.problem.data[i].value, r.problem.data[i].sigma, m.simulated_before, m.z_before,
+                               m.simulated_after, m.z_after});
   }
   out.texts("misfit/names", names, "data");
   out.texts("misfit/units", units, "of the values");
@@ -289,13 +335,16 @@ std::string report_hdf5(const DiagnosisReport& r) {
   std::vector<double> singles, isolation;
   for (std::size_t k = 0; k < r.problem.effects.size(); ++k) {
     ids.push_back(r.problem.effects[k].id);
-    singles.insert(singles.end(), {r.problem.effects[k].strength(d.singles[k].x[d.singles[k].x.size() - 1]), d.singles[k].q, d.detection[k].limit_low,
-                                   d.detection[k].limit_high, d.detection[k].d_at_end});
+    singles.insert(singles.end(),
+                   {r.problem.effects[k].strength(d.singles[k].x[d.singles[k].x.size() - 1]), d.singles[k].q,
+                    d.detection[k].limit_low, d.detection[k].limit_high, d.detection[k].d_at_end});
     for (Index j = 0; j < d.isolation.cols(); ++j) isolation.push_back(d.isolation(static_cast<Index>(k), j));
   }
   out.texts("candidates/ids", ids, "candidate causes");
-  out.dataset("candidates/values", singles, 5, "in the candidates' units", "fitted alone, Q, detection limits, sigma at the end of the range");
-  out.dataset("candidates/isolation", isolation, ids.size(), "1", "distance (truth x rival) in sigma where the truth is seen with 5 sigma");
+  out.dataset("candidates/values", singles, 5, "in the candidates' units",
+              "fitted alone, Q, detection limits, sigma at the end of the range");
+  out.dataset("candidates/isolation", isolation, ids.size(), "1",
+              "distance (truth x rival) in sigma where the truth is seen with 5 sigma");
   std::vector<std::string> causes;
   for (const Explanation& e : d.causes) causes.push_back(describe(r, e));
   if (!causes.empty()) out.texts("causes", causes, "the set, best first, with 95 % intervals");
@@ -315,23 +364,28 @@ std::vector<std::pair<std::string, std::string>> extended_studies(const Diagnosi
   std::size_t number = 0;
   for (const Explanation& cause : r.result.causes) {
     ++number;
-    const auto num_effects = static_cast<Index>(r.problem.effects.size()), num_parameters = static_cast<Index>(r.problem.parameters.size());
+    const auto num_effects = static_cast<Index>(r.problem.effects.size()),
+               num_parameters = static_cast<Index>(r.problem.parameters.size());
     Eigen::VectorXd p = Eigen::VectorXd::Zero(num_effects);
-    for (const NamedEffect& n : cause.effects) p[n.effect] = r.problem.effects[static_cast<std::size_t>(n.effect)].inner(n.strength);
+    for (const NamedEffect& n : cause.effects)
+      p[n.effect] = r.problem.effects[static_cast<std::size_t>(n.effect)].inner(n.strength);
     Condition study;
     study.path = r.campaign.study;
     study.text = read_text(study.path);
     study.is_scene = is_scene_file(study.path);
     study.type = "study";
-    if (study.is_scene) throw InputError(fmt::format("{}: study = {}: is a scene, not a study", r.campaign.path, r.campaign.study));
+    if (study.is_scene)
+      throw InputError(fmt::format("{}: study = {}: is a scene, not a study", r.campaign.path, r.campaign.study));
     const std::string text = extended_text(study, r.campaign.changes(study, cause.fit.x.head(num_parameters), p));
-    std::string head = fmt::format("# {} extended by drumsweep diagnose, campaign \"{}\".\n# {}: {}\n", r.campaign.study, r.campaign.name,
-                                   to_text(r.result.verdict), describe(r, cause));
+    std::string head = fmt::format("# {} extended by drumsweep diagnose, campaign \"{}\".\n# {}: {}\n",
+                                   r.campaign.study, r.campaign.name, to_text(r.result.verdict), describe(r, cause));
     for (const NamedEffect& n : cause.effects) {
       const Candidate& c = r.campaign.candidates[static_cast<std::size_t>(n.effect)];
-      if (!c.acts_on_input_of(study)) head += fmt::format("# {} acts on nothing in this study: no key was changed for it.\n", c.effect.id);
+      if (!c.acts_on_input_of(study))
+        head += fmt::format("# {} acts on nothing in this study: no key was changed for it.\n", c.effect.id);
     }
-    head += fmt::format("# Gain on held-out conditions: {:.2f} nats a condition [{:.2f}, {:.2f}], {}.\n", r.result.gain.mean, r.result.gain.low, r.result.gain.high,
+    head += fmt::format("# Gain on held-out conditions: {:.2f} nats a condition [{:.2f}, {:.2f}], {}.\n",
+                        r.result.gain.mean, r.result.gain.low, r.result.gain.high,
                         r.result.gain.adopted ? "adopted" : "not supported");
     out.emplace_back(number == 1 ? "extended.toml" : fmt::format("extended_{}.toml", number), head + text);
   }
@@ -340,12 +394,15 @@ std::vector<std::pair<std::string, std::string>> extended_studies(const Diagnosi
 
 std::vector<std::string> write_report(const DiagnosisReport& r, const std::string& folder) {
   std::vector<std::pair<std::string, std::string>> files = report_tables(r);
-  files.insert(files.begin(), {{"diagnosis.txt", report_text(r)}, {"diagnosis.html", report_html(r)}, {"diagnosis.h5", report_hdf5(r)}});
+  files.insert(
+      files.begin(),
+      {{"diagnosis.txt", report_text(r)}, {"diagnosis.html", report_html(r)}, {"diagnosis.h5", report_hdf5(r)}});
   const auto studies = extended_studies(r);
   files.insert(files.end(), studies.begin(), studies.end());
   // A set that has become smaller leaves no member of the old one behind.
   for (int number = 1; number < 100; ++number)
-    std::filesystem::remove(number == 1 ? folder + "/extended.toml" : fmt::format("{}/extended_{}.toml", folder, number));
+    std::filesystem::remove(number == 1 ? folder + "/extended.toml"
+                                        : fmt::format("{}/extended_{}.toml", folder, number));
   std::vector<std::string> paths;
   for (const auto& [name, bytes] : files) {
     paths.push_back(folder + "/" + name);

@@ -23,11 +23,12 @@ struct TaskOutcome {
 };
 
 struct TaskJob {
-  std::string text;                 ///< all that another rank needs to make its Work
-  std::vector<std::size_t> tasks;   ///< handed out in this order
-  Work work;                        ///< of this rank
-  std::function<void(std::size_t task, const std::string& result)> store;  ///< durable when it returns; may throw WriteError
-  std::function<void(std::size_t done, std::size_t running)> progress;     ///< called often; may be empty
+  std::string text;                ///< all that another rank needs to make its Work
+  std::vector<std::size_t> tasks;  ///< handed out in this order
+  Work work;                       ///< of this rank
+  std::function<void(std::size_t task, const std::string& result)>
+      store;  ///< durable when it returns; may throw WriteError
+  std::function<void(std::size_t done, std::size_t running)> progress;  ///< called often; may be empty
 };
 
 /// Rank 0, which computes, too. A signal (stop.h) or an error of storing stops all in good order; what is stored stays.

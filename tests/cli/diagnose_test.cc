@@ -24,7 +24,8 @@ TEST(Diagnose, rolling_resistance_is_found_and_its_gain_adopted) {
   EXPECT_EQ(found["gain"]["held_out_conditions"].list.size(), 6u);
   // No observable here sees twisting.
   EXPECT_LT(found["detection_limits"].list[1]["sigma_at_end"].number, 1);
-  for (const char* name : {"diagnosis.txt", "diagnosis.html", "diagnosis.h5", "misfit.csv", "candidates.csv", "gain.csv"})
+  for (const char* name :
+       {"diagnosis.txt", "diagnosis.html", "diagnosis.h5", "misfit.csv", "candidates.csv", "gain.csv"})
     EXPECT_FALSE(file_text(folder / "out/" + name).empty()) << name;
   EXPECT_NE(file_text(folder / "out/diagnosis.txt").find("nothing here sees it"), std::string::npos);
   // The extended study is one that the program takes as it is.
@@ -69,7 +70,8 @@ TEST(Diagnose, result_is_the_same_for_any_ranks_and_interruptions) {
 TEST(Diagnose, wrong_input_another_campaign_and_a_held_folder_have_their_exit_codes) {
   const TestFolder folder;
   write_small_campaign(folder / "c", 0.1, 25);
-  write_text(folder / "c/measured.csv", "condition,quantity,position,value,sigma,unit,use\nat_20,acceleration,,1,0,m/s2,fit\n");
+  write_text(folder / "c/measured.csv",
+             "condition,quantity,position,value,sigma,unit,use\nat_20,acceleration,,1,0,m/s2,fit\n");
   const Finished bad = drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out"});
   EXPECT_EQ(bad.code, 2);
   EXPECT_NE(bad.err.find("measured.csv:2: sigma = 0"), std::string::npos) << bad.err;

@@ -33,15 +33,19 @@ std::size_t index_of(const Campaign& campaign, const std::string& id) {
 
 std::string HiddenTruth::key(const Campaign& campaign) const {
   std::string out = fmt::format("case {}\nseed {}\nrepeats {}\nsmooth {}\n", name, seed, repeats, smooth);
-  for (Index j = 0; j < u.size(); ++j) out += fmt::format("parameter {} {}\n", campaign.parameters[static_cast<std::size_t>(j)].prior.id, u[j]);
+  for (Index j = 0; j < u.size(); ++j)
+    out += fmt::format("parameter {} {}\n", campaign.parameters[static_cast<std::size_t>(j)].prior.id, u[j]);
   for (const auto& [id, phi] : effects) out += fmt::format("effect {} {}\n", id, phi);
-  for (const KeyChange& c : outsider) out += fmt::format("outsider {} {} {}\n", static_cast<int>(c.how), c.key, c.value);
+  for (const KeyChange& c : outsider)
+    out += fmt::format("outsider {} {} {}\n", static_cast<int>(c.how), c.key, c.value);
   return out;
 }
 
 MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted, HiddenTruth& truth, int threads) {
   if (truth.u.size() == 0)
-    truth.u = normal_draws(truth.seed, Purpose::adversary, 1, static_cast<Index>(campaign.parameters.size())).cwiseMax(-2).cwiseMin(2);
+    truth.u = normal_draws(truth.seed, Purpose::adversary, 1, static_cast<Index>(campaign.parameters.size()))
+                  .cwiseMax(-2)
+                  .cwiseMin(2);
   Campaign world = campaign;
   if (truth.smooth)
     for (Condition& c : world.conditions) {
@@ -55,13 +59,15 @@ MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted
     p[static_cast<Index>(k)] = campaign.candidates[k].effect.inner(phi);
   }
   // Every repeat and condition by itself.
-  const std::size_t num_conditions = world.conditions.size(), num = num_conditions * static_cast<std::size_t>(truth.repeats);
+  const std::size_t num_conditions = world.conditions.size(),
+                    num = num_conditions * static_cast<std::size_t>(truth.repeats);
   std::vector<ConditionResult> results(num);
   in_threads(threads, num, [&](std::size_t i) {
     const Condition& c = world.conditions[i % num_conditions];
     std::vector<KeyChange> changes = world.changes(c, truth.u, p);
     changes.insert(changes.end(), truth.outsider.begin(), truth.outsider.end());
-    results[i] = c.simulate(replicate_seed(truth.seed + 777'000'000'000, static_cast<double>(i + 1)), changes, {}, 1, [] { return true; });
+    results[i] = c.simulate(replicate_seed(truth.seed + 777'000'000'000, static_cast<double>(i + 1)), changes, {}, 1,
+                            [] { return true; });
   });
   MeasuredData out = wanted;
   const Eigen::VectorXd error = normal_draws(truth.seed, Purpose::adversary, 2, static_cast<Index>(wanted.data.size()));
@@ -77,7 +83,8 @@ MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted
     }
     double value = sum / count;
     for (std::size_t k = 0; k < campaign.candidates.size(); ++k)
-      value = campaign.candidates[k].observe(d.condition, d.quantity, value, campaign.candidates[k].effect.strength(p[static_cast<Index>(k)]));
+      value = campaign.candidates[k].observe(d.condition, d.quantity, value,
+                                             campaign.candidates[k].effect.strength(p[static_cast<Index>(k)]));
     d.value = value + d.sigma * error[static_cast<Index>(i)];
   }
   return out;
@@ -86,9 +93,12 @@ MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted
 std::string measured_csv(const MeasuredData& measured) {
   std::string out = "condition,quantity,position,value,sigma,unit,use\n";
   for (const Datum& d : measured.data)
-    out += fmt::format("{},{},{},{},{},{},{}\n", d.condition, d.quantity, std::isnan(d.position) ? "" : fmt::format("{}", d.position),
+    out += fmt::format("{},{},{},{},{},{},{}\n", d.condition, d.quantity,
+                       std::isnan(d.position) ? "" : fmt::format("{}", d.position),
                        std::isnan(d.value) ? "" : fmt::format("{:.5g}", d.value), d.sigma, d.unit,
-                       d.use == Use::fit ? "fit" : d.use == Use::holdout ? "holdout" : "available");
+                       d.use == Use::fit       ? "fit"
+                       : d.use == Use::holdout ? "holdout"
+                                               : "available");
   return out;
 }
 
@@ -97,7 +107,9 @@ HiddenTruth draw_truth(const Campaign& campaign, const std::string& kind, std::i
   truth.seed = seed;
   truth.name = kind;
   const Eigen::VectorXd t = uniform_draws(seed, Purpose::adversary, 3, 8);
-  const auto pick = [&](double r) { return static_cast<std::size_t>(r * static_cast<double>(campaign.candidates.size())); };
+  const auto pick = [&](double r) {
+    return static_cast<std::size_t>(r * static_cast<double>(campaign.candidates.size()));
+  };
   const auto add = [&](std::size_t k, double r, double side) {
     const CandidateEffect& e = campaign.candidates[k].effect;
     const double size = 0.5 + 0.4 * r;
@@ -110,9 +122,10 @@ HiddenTruth draw_truth(const Campaign& campaign, const std::string& kind, std::i
     if (kind == "pair") add(second, t[4], t[5]);
   } else if (kind == "outsider") {
     // Physics that is not on the list.
-    const std::vector<KeyChange> all = {{KeyChange::How::below, "material.wall_friction", 0.5 + 0.4 * t[1], "material.friction"},
-                                        {KeyChange::How::set, "effects.size_spread", 0.15 + 0.1 * t[1]},
-                                        {KeyChange::How::set, "material.restitution", 0.5 + 0.4 * t[1]}};
+    const std::vector<KeyChange> all = {
+        {KeyChange::How::below, "material.wall_friction", 0.5 + 0.4 * t[1], "material.friction"},
+        {KeyChange::How::set, "effects.size_spread", 0.15 + 0.1 * t[1]},
+        {KeyChange::How::set, "material.restitution", 0.5 + 0.4 * t[1]}};
     truth.outsider.push_back(all[static_cast<std::size_t>(t[0] * static_cast<double>(all.size()))]);
   } else if (kind != "none") {
     // A single one by name.

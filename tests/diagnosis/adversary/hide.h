@@ -12,11 +12,11 @@
 namespace drumsweep {
 
 struct HiddenTruth {
-  std::string name;                                      ///< of the case, for tables
+  std::string name;                                     ///< of the case, for tables
   std::vector<std::pair<std::string, double>> effects;  ///< on the campaign's list: id, strength
-  std::vector<KeyChange> outsider;                       ///< and what is not
-  Eigen::VectorXd u;                                     ///< parameters; of the campaign's number, or empty: drawn
-  bool smooth = false;                                   ///< truth from the smooth reference stepper
+  std::vector<KeyChange> outsider;                      ///< and what is not
+  Eigen::VectorXd u;                                    ///< parameters; of the campaign's number, or empty: drawn
+  bool smooth = false;                                  ///< truth from the smooth reference stepper
   int repeats = 10;
   std::int64_t seed = 1;
 

@@ -25,7 +25,9 @@ struct HideOptions {
 
 std::int64_t seed_or_entropy(std::int64_t seed) {
   std::random_device entropy;
-  return seed >= 0 ? seed : static_cast<std::int64_t>((static_cast<std::uint64_t>(entropy()) << 20 | entropy() >> 12) & ((1ull << 50) - 1));
+  return seed >= 0 ? seed
+                   : static_cast<std::int64_t>((static_cast<std::uint64_t>(entropy()) << 20 | entropy() >> 12) &
+                                               ((1ull << 50) - 1));
 }
 
 std::pair<std::string, double> assignment(const std::string& text) {
@@ -45,13 +47,15 @@ void hide(const HideOptions& o) {
   const Campaign campaign = read_campaign(o.campaign);
   const std::int64_t seed = seed_or_entropy(o.seed);
   std::string kind = o.kind;
-  if (kind == "random") kind = std::vector<std::string>{"none", "single", "single", "pair", "outsider"}[static_cast<std::size_t>(seed % 5)];
+  if (kind == "random")
+    kind = std::vector<std::string>{"none", "single", "single", "pair", "outsider"}[static_cast<std::size_t>(seed % 5)];
   HiddenTruth truth = o.effects.empty() && o.outsiders.empty() ? draw_truth(campaign, kind, seed) : HiddenTruth{};
   truth.seed = seed;
   truth.repeats = o.repeats;
   truth.smooth = o.smooth;
   for (const std::string& e : o.effects) truth.effects.push_back(assignment(e));
-  for (const std::string& e : o.outsiders) truth.outsider.push_back({KeyChange::How::set, assignment(e).first, assignment(e).second});
+  for (const std::string& e : o.outsiders)
+    truth.outsider.push_back({KeyChange::How::set, assignment(e).first, assignment(e).second});
   const MeasuredData measured = measure_hidden(campaign, wanted_of(campaign), truth, o.threads);
   const std::string key = truth.key(campaign);
   std::filesystem::create_directories(o.folder);
@@ -90,13 +94,15 @@ void tier_b(const HideOptions& o) {
     for (const Explanation& e : report.result.causes)
       for (const NamedEffect& n : e.effects)
         for (const auto& [id, phi] : truth.effects)
-          if (campaign.candidates[static_cast<std::size_t>(n.effect)].effect.id == id && e.effects.size() == truth.effects.size())
+          if (campaign.candidates[static_cast<std::size_t>(n.effect)].effect.id == id &&
+              e.effects.size() == truth.effects.size())
             strength.add(phi >= n.low && phi <= n.high);
     if (!report.result.causes.empty() && truth.listed()) gain.add(report.result.gain.adopted);
   }
   fmt::print("\n");
   for (const auto& [cell, count] : matrix) fmt::print("{:<10} {:<12} {}\n", cell.first, cell.second, count);
-  fmt::print("false alarms {} of {}; strength inside its interval {} of {}; gain adopted {} of {}\n", false_alarm.yes, false_alarm.of, strength.yes, strength.of, gain.yes, gain.of);
+  fmt::print("false alarms {} of {}; strength inside its interval {} of {}; gain adopted {} of {}\n", false_alarm.yes,
+             false_alarm.of, strength.yes, strength.of, gain.yes, gain.of);
 }
 
 }  // namespace
@@ -120,8 +126,10 @@ int main(int argc, char** argv) {
 
   HideOptions h;
   const auto common = [&](CLI::App* command) {
-    command->add_option("CAMPAIGN", h.campaign, "campaign file; its measured.csv says what is measured, and how well")->required();
-    command->add_option("--case", h.kind, "none | single | pair | outsider | random, or a candidate's id")->capture_default_str();
+    command->add_option("CAMPAIGN", h.campaign, "campaign file; its measured.csv says what is measured, and how well")
+        ->required();
+    command->add_option("--case", h.kind, "none | single | pair | outsider | random, or a candidate's id")
+        ->capture_default_str();
     command->add_option("--seed", h.seed, "of the truth; left out: from entropy");
     command->add_option("--repeats", h.repeats, "seeds over which the truth is averaged")->capture_default_str();
     command->add_option("--threads", h.threads, "side by side")->capture_default_str();
@@ -133,7 +141,8 @@ int main(int argc, char** argv) {
   hides->add_option("--outsider", h.outsiders, "KEY=VALUE that is set in all conditions; repeatable");
   hides->add_option("-o,--output", h.folder, "folder")->required();
   hides->callback([&] { hide(h); });
-  CLI::App* b = app.add_subcommand("tier-b", "Hides cases from a finished campaign, one after the other: confusion matrix in counts");
+  CLI::App* b = app.add_subcommand(
+      "tier-b", "Hides cases from a finished campaign, one after the other: confusion matrix in counts");
   common(b);
   b->add_option("--runs", h.folder, "output folder of `drumsweep diagnose CAMPAIGN`")->required();
   b->add_option("--cases", h.cases, "how many")->capture_default_str();

@@ -11,8 +11,8 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr int num_parameters = 4, num_effects = 8, num_outsiders = 4, num_fitted = 32, num_held_out = 64, held_out_size = 3,
-              used_held_out = 8;
+constexpr int num_parameters = 4, num_effects = 8, num_outsiders = 4, num_fitted = 32, num_held_out = 64,
+              held_out_size = 3, used_held_out = 8;
 enum Stream : std::uint64_t { slopes = 1, curvatures = 2, design = 1000, noise = 100'000, cases = 10'000'000 };
 
 Eigen::VectorXd normals(std::int64_t seed, std::uint64_t index, Index count) {
@@ -119,7 +119,8 @@ CampaignRuns SyntheticMachine::campaign(Index runs, bool share_seeds) const {
     if (number > 0) out.strengths(i, first) = strength(first, at[num_parameters + 3]);
     if (number > 1) out.strengths(i, second) = strength(second, at[num_parameters + 4]);
     const Eigen::VectorXd error = heavy_tails(seed, Stream::noise + (share_seeds ? 0 : run), problem.num_data());
-    out.outputs.row(i) = (mean(out.parameters.row(i).transpose(), out.strengths.row(i).transpose()) + error).transpose();
+    out.outputs.row(i) =
+        (mean(out.parameters.row(i).transpose(), out.strengths.row(i).transpose()) + error).transpose();
   }
   return out;
 }
@@ -130,8 +131,7 @@ namespace {
 Eigen::MatrixXd information(const SyntheticMachine& m, const Eigen::VectorXd& u) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(num_parameters + num_effects);
   x.head(num_parameters) = u;
-  const Eigen::MatrixXd j =
-      (m.truth.transpose() * feature_slopes(x).leftCols(num_parameters)).topRows(num_fitted);
+  const Eigen::MatrixXd j = (m.truth.transpose() * feature_slopes(x).leftCols(num_parameters)).topRows(num_fitted);
   // Measurement 1, simulation noise through the emulator about v = 0.1.
   const Eigen::MatrixXd s = 1.1 * Eigen::MatrixXd::Identity(num_fitted, num_fitted) + j * j.transpose();
   return s.inverse();
@@ -170,7 +170,9 @@ SealedCase draw_case(const SyntheticMachine& machine, Hidden kind, std::uint64_t
     out.strengths.clear();
     const double wanted = d_low + (d_high - d_low) * t[0];
     if (kind == Hidden::single || kind == Hidden::pair || kind == Hidden::impostor) {
-      const auto pick = [&](double r) { return among[static_cast<std::size_t>(r * static_cast<double>(among.size()))]; };
+      const auto pick = [&](double r) {
+        return among[static_cast<std::size_t>(r * static_cast<double>(among.size()))];
+      };
       out.effects.push_back(pick(t[1]));
       if (kind == Hidden::pair) {
         const int other = pick(t[2]);
@@ -180,7 +182,10 @@ SealedCase draw_case(const SyntheticMachine& machine, Hidden kind, std::uint64_t
       }
       std::vector<double> sign;
       for (std::size_t k = 0; k < out.effects.size(); ++k)
-        sign.push_back(machine.problem.effects[static_cast<std::size_t>(out.effects[k])].low < 0 && t[3 + static_cast<Index>(k)] < 0.5 ? -1 : 1);
+        sign.push_back(machine.problem.effects[static_cast<std::size_t>(out.effects[k])].low < 0 &&
+                               t[3 + static_cast<Index>(k)] < 0.5
+                           ? -1
+                           : 1);
       // Scaled up together until d is as wanted; a pair also has to be that far from each of its members.
       const auto at = [&](double scale) {
         for (std::size_t k = 0; k < out.effects.size(); ++k)
@@ -243,8 +248,9 @@ SealedCase draw_case(const SyntheticMachine& machine, Hidden kind, std::uint64_t
     std::sort(conditions.begin(), conditions.end(), [&](int a, int b) { return order[a] < order[b]; });
     for (int c = 0; c < used_held_out; ++c)
       for (int i = 0; i < held_out_size; ++i)
-        out.problem.data[static_cast<std::size_t>(num_fitted + conditions[static_cast<std::size_t>(c)] * held_out_size + i)].use =
-            Use::holdout;
+        out.problem
+            .data[static_cast<std::size_t>(num_fitted + conditions[static_cast<std::size_t>(c)] * held_out_size + i)]
+            .use = Use::holdout;
     return out;
   }
   out.effects.clear();
@@ -260,14 +266,17 @@ double binomial_at_most(int yes, int of, double rate) {
                     (of - k) * std::log1p(-rate));
   return std::min(1.0, sum);
 }
-double binomial_at_least(int yes, int of, double rate) { return yes == 0 ? 1.0 : 1 - binomial_at_most(yes - 1, of, rate); }
+double binomial_at_least(int yes, int of, double rate) {
+  return yes == 0 ? 1.0 : 1 - binomial_at_most(yes - 1, of, rate);
+}
 
 TierAScore run_tier_a(const TierAOptions& options) {
   TierAScore score;
   score.confusion = Eigen::MatrixXi::Zero(num_effects + 2, 5);
   for (int machine_number = 0; machine_number < options.machines; ++machine_number) {
     const SyntheticMachine machine(options.first_seed + machine_number);
-    const Emulator emulator(machine.campaign(options.num_runs, options.mutation.share_seeds), scale_of(machine.problem));
+    const Emulator emulator(machine.campaign(options.num_runs, options.mutation.share_seeds),
+                            scale_of(machine.problem));
     DiagnosisOptions how;
     how.seed = machine.seed;
     how.num_bootstraps = options.num_bootstraps;
@@ -275,13 +284,16 @@ TierAScore run_tier_a(const TierAOptions& options) {
     how.details = false;
     how.mutation = options.mutation;
     std::uint64_t number = 0;
-    const auto each = [&](Hidden kind, double low, double high, const std::vector<int>& among, int num, const auto& judge) {
+    const auto each = [&](Hidden kind, double low, double high, const std::vector<int>& among, int num,
+                          const auto& judge) {
       for (int i = 0; i < num; ++i) {
         const SealedCase hidden = draw_case(machine, kind, number++, low, high, among);
         if (hidden.d < 0) continue;
         const Diagnosis found = diagnose(hidden.problem, emulator, how);
-        const int row = kind == Hidden::nothing ? num_effects : kind == Hidden::outsider ? num_effects + 1
-                        : kind == Hidden::single ? hidden.effects[0] : -1;
+        const int row = kind == Hidden::nothing    ? num_effects
+                        : kind == Hidden::outsider ? num_effects + 1
+                        : kind == Hidden::single   ? hidden.effects[0]
+                                                   : -1;
         if (row >= 0) {
           const bool in_set = kind == Hidden::single && found.names(hidden.effects);
           const int column = found.verdict == Verdict::nothing_wrong   ? 4
@@ -300,10 +312,12 @@ TierAScore run_tier_a(const TierAOptions& options) {
           for (std::size_t k = 0; k < e.effects.size(); ++k) same = same && e.effects[k].effect == hidden.effects[k];
           if (!same) continue;
           for (std::size_t k = 0; k < e.effects.size(); ++k)
-            score.strength_covers.add(hidden.strengths[k] >= e.effects[k].low - 1e-9 && hidden.strengths[k] <= e.effects[k].high + 1e-9);
+            score.strength_covers.add(hidden.strengths[k] >= e.effects[k].low - 1e-9 &&
+                                      hidden.strengths[k] <= e.effects[k].high + 1e-9);
         }
         if (!found.causes.empty() && kind == Hidden::single) {
-          const HeldOutGain all = held_out_gain(hidden.population, emulator, found.plain, found.causes.front().fit, how);
+          const HeldOutGain all =
+              held_out_gain(hidden.population, emulator, found.plain, found.causes.front().fit, how);
           score.gain_covers.add(all.mean >= found.gain.low && all.mean <= found.gain.high);
         }
       }
@@ -320,14 +334,17 @@ TierAScore run_tier_a(const TierAOptions& options) {
       score.clear_right.add(d.causes.size() == 1 && d.names(c.effects));
       score.clear_misnamed.add(named(d) && !d.names(c.effects));
     });
-    each(Hidden::single, 4, 5, {0, 1, 2, 3}, n, [&](const SealedCase& c, const Diagnosis& d) { score.weak_in_set.add(d.names(c.effects)); });
-    each(Hidden::pair, 6, 9, {0, 1, 2, 3}, n, [&](const SealedCase& c, const Diagnosis& d) { score.pair_in_set.add(d.names(c.effects)); });
+    each(Hidden::single, 4, 5, {0, 1, 2, 3}, n,
+         [&](const SealedCase& c, const Diagnosis& d) { score.weak_in_set.add(d.names(c.effects)); });
+    each(Hidden::pair, 6, 9, {0, 1, 2, 3}, n,
+         [&](const SealedCase& c, const Diagnosis& d) { score.pair_in_set.add(d.names(c.effects)); });
     each(Hidden::outsider, 6, 10, {}, n, [&](const SealedCase& c, const Diagnosis& d) {
       // What a listed effect imitates within the errors is that effect, as far as these data go.
       if (c.nearest < 5) return;
       (c.d >= 8 ? score.outsider_named_8 : score.outsider_named).add(named(d));
     });
-    each(Hidden::impostor, 7, 9, {0, 1, 2, 3}, n, [&](const SealedCase&, const Diagnosis& d) { score.impostor_named.add(named(d)); });
+    each(Hidden::impostor, 7, 9, {0, 1, 2, 3}, n,
+         [&](const SealedCase&, const Diagnosis& d) { score.impostor_named.add(named(d)); });
     each(Hidden::single, 6, 9, {6, 7}, n / 2, [&](const SealedCase& c, const Diagnosis& d) {
       score.exact_both.add(d.names({6}) && d.names({7}));
       score.exact_apart.add(d.names(c.effects) != d.names({13 - c.effects[0]}));

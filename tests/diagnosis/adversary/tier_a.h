@@ -41,11 +41,14 @@ struct SealedCase {
   Hidden kind = Hidden::nothing;
   std::vector<int> effects;
   std::vector<double> strengths;
-  double d = 0, nearest = 0;   ///< effect after recalibration; the nearest single rival after refitting it (pair: nearest single member)
+  double
+      d = 0,
+      nearest =
+          0;  ///< effect after recalibration; the nearest single rival after refitting it (pair: nearest single member)
   int nearest_rival = -1;
   Eigen::VectorXd u;
-  Problem problem;             ///< with values
-  Problem population;          ///< all held-out conditions, with other noise
+  Problem problem;     ///< with values
+  Problem population;  ///< all held-out conditions, with other noise
 };
 
 SealedCase draw_case(const SyntheticMachine& machine, Hidden kind, std::uint64_t number, double d_low, double d_high,
@@ -72,7 +75,8 @@ struct TierAScore {
   Count near_misnamed, near_resolved;
   Count gain_covers, strength_covers;
   Count control_gain;  ///< null data: a gain was adopted
-  Eigen::MatrixXi confusion;  ///< (hidden single effect, nothing, outsider) x (named uniquely, set with the truth, set without, none of these, nothing wrong)
+  Eigen::MatrixXi
+      confusion;  ///< (hidden single effect, nothing, outsider) x (named uniquely, set with the truth, set without, none of these, nothing wrong)
 
   std::string table() const;
   /// Gates of the method that are missed beyond what chance allows (one-sided 99 %), each with its number; empty: all met.

@@ -20,7 +20,9 @@ TEST(TierBVerify, hidden_causes_are_found) {
   campaign.numerics_runs = 0;
   // Naming needs fewer held-out conditions than proving a gain does.
   const std::vector<std::string> spared = {"drum_3", "drum_full", "slot_wider"};
-  const auto is_spared = [&](const std::string& id) { return std::find(spared.begin(), spared.end(), id) != spared.end(); };
+  const auto is_spared = [&](const std::string& id) {
+    return std::find(spared.begin(), spared.end(), id) != spared.end();
+  };
   std::erase_if(campaign.conditions, [&](const Condition& c) { return is_spared(c.id); });
   MeasuredData wanted;
   {
@@ -40,7 +42,8 @@ TEST(TierBVerify, hidden_causes_are_found) {
     HiddenTruth truth;
     std::string unlisted;  ///< taken off the list for this case
   };
-  const auto truth = [](const std::string& name, std::vector<std::pair<std::string, double>> effects, std::int64_t seed) {
+  const auto truth = [](const std::string& name, std::vector<std::pair<std::string, double>> effects,
+                        std::int64_t seed) {
     HiddenTruth t;
     t.name = name;
     t.effects = std::move(effects);
@@ -51,13 +54,13 @@ TEST(TierBVerify, hidden_causes_are_found) {
   std::vector<Case> cases = {
       {truth("nothing", {}, 101), ""},
       {truth("nothing again", {}, 102), ""},
-      {truth("rolling", {{"rolling_resistance", 0.15}}, 103), ""},
-      {truth("coating", {{"outlet_coating", 0.005}}, 104), ""},
-      {truth("cohesion", {{"cohesion", 0.07}}, 105), ""},
-      {truth("rolling and coating", {{"rolling_resistance", 0.15}, {"outlet_coating", 0.005}}, 106), ""},
-      {truth("leave one out", {{"outlet_coating", 0.0055}}, 107), "outlet_coating"},
+      {truth("rolling", {{"rolling_resistance", 0.06}}, 103), ""},
+      {truth("coating", {{"outlet_coating", 0.0045}}, 104), ""},
+      {truth("cohesion", {{"cohesion", 0.03}}, 105), ""},
+      {truth("rolling and coating", {{"rolling_resistance", 0.06}, {"outlet_coating", 0.0045}}, 106), ""},
+      {truth("leave one out", {{"outlet_coating", 0.005}}, 107), "outlet_coating"},
       {truth("wall friction, which is on no list", {}, 108), ""},
-      {truth("rolling, from the smooth stepper", {{"rolling_resistance", 0.15}}, 109), ""},
+      {truth("rolling, from the smooth stepper", {{"rolling_resistance", 0.06}}, 109), ""},
   };
   cases[7].truth.outsider = {{KeyChange::How::below, "material.wall_friction", 0.8, "material.friction"}};
   cases[8].truth.smooth = true;
@@ -77,13 +80,18 @@ TEST(TierBVerify, hidden_causes_are_found) {
     // The verdict is there; now the seal is opened.
     ASSERT_EQ(commitment, sha256(c.truth.key(campaign)));
     Judgement judgement = judge(c.truth, campaign, found);
-    if (!c.unlisted.empty()) judgement = found.causes.empty() && found.verdict != Verdict::nothing_wrong ? Judgement::right : Judgement::misnamed;
+    if (!c.unlisted.empty())
+      judgement =
+          found.causes.empty() && found.verdict != Verdict::nothing_wrong ? Judgement::right : Judgement::misnamed;
     std::string named;
     for (const Explanation& e : found.causes) {
-      for (const NamedEffect& n : e.effects) named += fmt::format(" {} {:.3g} [{:.3g}, {:.3g}]", problem.effects[static_cast<std::size_t>(n.effect)].id, n.strength, n.low, n.high);
+      for (const NamedEffect& n : e.effects)
+        named += fmt::format(" {} {:.3g} [{:.3g}, {:.3g}]", problem.effects[static_cast<std::size_t>(n.effect)].id,
+                             n.strength, n.low, n.high);
       named += " |";
     }
-    table += fmt::format("{:<36} {:<11} {:<15} p = {:.2g}, Q0 = {:.1f}{}\n", c.truth.name, to_text(judgement), to_text(found.verdict), found.p_value, found.q0, named);
+    table += fmt::format("{:<36} {:<11} {:<15} p = {:.2g}, Q0 = {:.1f}{}\n", c.truth.name, to_text(judgement),
+                         to_text(found.verdict), found.p_value, found.q0, named);
     right += judgement == Judgement::right || judgement == Judgement::in_set ? 1 : 0;
     misnamed += judgement == Judgement::misnamed ? 1 : 0;
   }

@@ -94,20 +94,26 @@ TEST(Measured, wrong_rows_are_refused_with_line_and_what_is_accepted) {
     const std::string says = complaint_about([&] { parse_measured(header + c.row + rest, "data.csv", campaign); });
     EXPECT_NE(says.find(c.says), std::string::npos) << c.row << says;
   }
-  EXPECT_NE(complaint_about([&] { parse_measured(header + "at_20,acceleration,,2,0.1,m/s2,fit\n", "data.csv", campaign); }).find("more data than free parameters"),
+  EXPECT_NE(complaint_about([&] {
+              parse_measured(header + "at_20,acceleration,,2,0.1,m/s2,fit\n", "data.csv", campaign);
+            }).find("more data than free parameters"),
             std::string::npos);
-  EXPECT_NE(complaint_about([&] { parse_measured("a,b\n", "data.csv", campaign); }).find("needed is condition"), std::string::npos);
+  EXPECT_NE(complaint_about([&] { parse_measured("a,b\n", "data.csv", campaign); }).find("needed is condition"),
+            std::string::npos);
 }
 
 TEST(Measured, quantities_units_and_positions_must_be_those_of_the_condition) {
   const Folder folder;
   const Campaign campaign = read_campaign(folder.path + "/campaign.toml");
-  std::vector<std::vector<Observable>> offered(campaign.conditions.size(),
-                                               {observable("acceleration", 2, 0.1, "m/s2"), observable("speed", 1, 0.1, "m/s"),
-                                                {"height", 0.1, 5, 1, "m"}, {"height", 0.3, 7, 1, "m"}});
+  std::vector<std::vector<Observable>> offered(campaign.conditions.size(), {observable("acceleration", 2, 0.1, "m/s2"),
+                                                                            observable("speed", 1, 0.1, "m/s"),
+                                                                            {"height", 0.1, 5, 1, "m"},
+                                                                            {"height", 0.3, 7, 1, "m"}});
   const auto says = [&](const std::string& row) {
     return complaint_about([&] {
-      MeasuredData m = parse_measured("condition,quantity,position,value,sigma,unit,use\n" + row + "\nat_24,speed,,200,10,cm/s,fit\n", "data.csv", campaign);
+      MeasuredData m = parse_measured(
+          "condition,quantity,position,value,sigma,unit,use\n" + row + "\nat_24,speed,,200,10,cm/s,fit\n", "data.csv",
+          campaign);
       match_measured(m, "data.csv", campaign, offered);
       EXPECT_DOUBLE_EQ(m.data.back().value, 2.0);
       EXPECT_DOUBLE_EQ(m.data.back().sigma, 0.1);
@@ -143,7 +149,8 @@ TEST(Candidates, built_in_ones_are_valid_and_off_at_zero) {
 TEST(Candidates, a_file_of_ones_own_changes_inputs_and_readings) {
   const Candidate c = parse_candidate(
       "id = \"mine\"\nunit = \"mm\"\nlow = -1\nhigh = 2\nprior_scale = 1\n"
-      "change = [ { key = \"scene.fill\", add = 0.01, of = [\"drum\"] }, { key = \"material.friction\", scale = 0.5, of = [\"pile\"] } ]\n"
+      "change = [ { key = \"scene.fill\", add = 0.01, of = [\"drum\"] }, { key = \"material.friction\", scale = 0.5, "
+      "of = [\"pile\"] } ]\n"
       "observe = [ { quantity = \"charge_angle\", add = 3.0 } ]\n",
       "mine.toml");
   const Condition drum = read_condition("drum", DRUMSWEEP_SOURCE_DIR "/schedules/campaign/drum.toml", {});
@@ -151,7 +158,10 @@ TEST(Candidates, a_file_of_ones_own_changes_inputs_and_readings) {
   EXPECT_DOUBLE_EQ(c.apply(drum, 2)[0].value, 0.02);
   EXPECT_DOUBLE_EQ(c.observe("drum", "charge_angle", 30, 2), 36);
   EXPECT_DOUBLE_EQ(c.observe("drum", "axial_velocity", 30, 2), 30);
-  EXPECT_NE(complaint_about([] { parse_candidate("id = \"x\"\nunit = \"1\"\nlow = 1\nhigh = 2\nprior_scale = 1\nnumerics = true\n", "x.toml"); }).find("low <= 0 <= high"),
+  EXPECT_NE(complaint_about([] {
+              parse_candidate("id = \"x\"\nunit = \"1\"\nlow = 1\nhigh = 2\nprior_scale = 1\nnumerics = true\n",
+                              "x.toml");
+            }).find("low <= 0 <= high"),
             std::string::npos);
 }
 
