@@ -21,7 +21,7 @@ namespace drumsweep {
 namespace {
 
 struct Options {
-  std::string campaign, folder, template_folder;
+  std::string campaign, folder, template_folder, before, after;
   int threads = 1;
   bool json = false, plan = false;
 };
@@ -158,7 +158,11 @@ int diagnose_campaign(const Options& options) {
   DiagnosisOptions how;
   how.seed = campaign.seed;
   how.num_bootstraps = static_cast<int>(campaign.bootstraps);
-  const DiagnosisReport report = make_report(campaign, measured, read_runs(campaign, folder, measured), how);
+  DiagnosisReport report = make_report(campaign, measured, read_runs(campaign, folder, measured), how);
+  if (!options.before.empty() || !options.after.empty()) {
+    if (options.before.empty() || options.after.empty()) throw InputError("--before and --after: both are needed");
+    report.change = change_of_design(options.before, options.after, campaign.seed);
+  }
   const std::vector<std::string> paths = write_report(report, folder);
   if (options.json)
     fmt::print("{}\n", json_of(report));
@@ -179,6 +183,9 @@ void add_diagnose(CLI::App& app, int& exit_code) {
   command->add_option(
       "--template", options->template_folder,
       "write a commented campaign.toml with scenes and measured.csv into this folder, which runs as it is");
+  command->add_option("--before", options->before,
+                      "output folder of the campaign's study, swept: what the extension changes in the optimum ...");
+  command->add_option("--after", options->after, "... and of extended.toml");
   command->add_flag("--plan", options->plan, "what would run and what it costs; runs nothing but one run for its time");
   command->add_option("--threads", options->threads, "threads of each rank; more ranks are better")
       ->capture_default_str()

@@ -11,6 +11,7 @@
 #include "core/io/snapshot.h"
 #include "diagnosis/model/draws.h"
 #include "diagnosis/model/fit.h"
+#include "sweep/fit/box.h"
 #include "sweep/stop.h"
 #include "sweep/store/output_lock.h"
 #include "sweep/store/store.h"
@@ -22,18 +23,6 @@ namespace fs = std::filesystem;
 using Index = Eigen::Index;
 
 constexpr int run_layout = 1;
-
-/// Element `index` of Kronecker's sequence in `dimensions`, in [0, 1): multiples of powers of 1/g, g^(dimensions+1) = g + 1.
-Eigen::VectorXd kronecker(std::uint64_t index, Index dimensions) {
-  double g = 2;
-  for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / static_cast<double>(dimensions + 1));
-  Eigen::VectorXd out(dimensions);
-  for (Index k = 0; k < dimensions; ++k) {
-    const double x = 0.5 + static_cast<double>(index + 1) * std::pow(g, -static_cast<double>(k + 1));
-    out[k] = x - std::floor(x);
-  }
-  return out;
-}
 
 /// Seeds stay below 2^53, as everywhere.
 std::int64_t mixed(std::int64_t seed, std::uint64_t number) {
@@ -59,8 +48,9 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
     return out;
   }
   out.seed = mixed(c.seed, run);
-  const Eigen::VectorXd at = kronecker(run, num_parameters + 2);
-  out.u = design_reach * (2 * at.head(num_parameters).array() - 1).matrix();
+  const std::vector<double> at = low_discrepancy(c.parameters.size() + 2, c.seed, run);
+  for (Index j = 0; j < num_parameters; ++j) out.u[j] = design_reach * (2 * at[static_cast<std::size_t>(j)] - 1);
+  const double first = at[c.parameters.size()], second = at[c.parameters.size() + 1];
   // In blocks of twenty runs 3 have no effect, 9 one and 8 two.
   const std::size_t in_block = run % 20, block = run / 20;
   const auto strength = [&](Index k, double t) {
@@ -69,11 +59,10 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
   };
   const std::size_t number = in_block % 20 < 3 ? 0 : in_block < 12 ? 1 : 2;
   if (number == 1)
-    strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)),
-             at[num_parameters]);
+    strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)), first);
   if (number == 2) {
     if (num_effects == 1) {
-      strength(0, at[num_parameters]);
+      strength(0, first);
       return out;
     }
     // Pairs in turn.
@@ -82,8 +71,8 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
     Index a = 0;
     for (; left >= static_cast<std::size_t>(num_effects - 1 - a); ++a)
       left -= static_cast<std::size_t>(num_effects - 1 - a);
-    strength(a, at[num_parameters]);
-    strength(a + 1 + static_cast<Index>(left), at[num_parameters + 1]);
+    strength(a, first);
+    strength(a + 1 + static_cast<Index>(left), second);
   }
   return out;
 }

@@ -1,7 +1,6 @@
 /// The campaign's simulations: which ones, farming them out, storing them, and reading off what was measured.
 ///
-/// Run i has parameters and strengths from a quasi-random sequence (Kronecker's, with the roots of Roberts' generalised golden
-/// ratio), so a campaign can be made longer without repeating anything: 15 % without any effect, 45 % with one, 40 % with two, effects
+/// Run i has parameters and strengths from a low-discrepancy sequence (sweep/fit/box.h), so a campaign can be made longer without repeating anything: 15 % without any effect, 45 % with one, 40 % with two, effects
 /// in turn. Its random seed belongs to it and to the condition: noise is that of independent experiments.
 /// Runs from num_runs() on compare numerics: pairs (as is, finer) at the prior's mean without effects, both with one seed.
 ///

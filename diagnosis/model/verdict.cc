@@ -246,6 +246,7 @@ class Diagnoser {
       m.sigma_after = unit * std::sqrt(v1 * noise + posterior);
       m.z_before = (measured_[i] - before[i]) / std::sqrt(var0);
       m.z_after = (measured_[i] - after[i]) / std::sqrt(var1);
+      m.off_before = (measured_[i] - before[i]) / std::sqrt(measured + v0 * noise);
       out_.misfits.push_back(m);
     }
     for (Index j = 0; j < num_parameters; ++j) {
@@ -313,7 +314,7 @@ class Diagnoser {
       for (int b = a + 1; b < num_effects_; ++b) {
         if (std::min(out_.detection[size(a)].d_at_end, out_.detection[size(b)].d_at_end) < unseen) continue;
         const double d = std::max(out_.isolation(a, b), out_.isolation(b, a));
-        if (d < near_twins) out_.twins.push_back({a, b, d, d < twin_distance(out_.plain.v)});
+        if (d < near_twins) out_.twins.push_back({a, b, d, d < exact_twins});
       }
     // What is left after recalibration, against what each effect would leave.
     const Eigen::ArrayXd weight = (1 + out_.plain.v * space_.lambda.array()).sqrt().inverse();

@@ -41,6 +41,7 @@ struct DiagnosisOptions {
 struct DatumMisfit {
   double simulated_before, simulated_after, sigma_before, sigma_after;
   double z_before, z_after;  ///< measured - simulated, over the error of the difference
+  double off_before;         ///< the same before recalibration, with the parameters taken as the bench has them
 };
 
 struct GroupMisfit {

@@ -32,6 +32,13 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// A name that may go on in the next line after an underscore.
+std::string breakable(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += c == '_' ? std::string("_<wbr>") : std::string(1, c);
+  return out;
+}
+
 constexpr const char* style = R"css(
 :root{color-scheme:light dark;--ink:#1a1f24;--paper:#fff;--soft:#5b6670;--line:#d5dbe0;--low:33,102,172;--high:178,60,20;--panel:#f4f6f8}
 @media (prefers-color-scheme:dark){:root{--ink:#e6eaee;--paper:#14181c;--soft:#9aa6b1;--line:#39424b;--low:96,165,235;--high:235,130,80;--panel:#1d2329}}
@@ -41,10 +48,10 @@ h1{font-size:1.5rem;margin:0 0 .25rem;line-height:1.25}h2{font-size:1.15rem;marg
 .verdict{background:var(--panel);border-left:.35rem solid rgb(var(--high));padding:.8rem 1rem;margin:1rem 0;font-size:1.05rem}
 .verdict.fine{border-color:rgb(var(--low))}
 .soft,small{color:var(--soft)}
-.wide{overflow-x:auto}
+.wide{overflow-x:auto;margin:.8rem 0}
 table{border-collapse:collapse;width:100%;font-size:.88rem;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .55rem;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
-th{font-weight:600;vertical-align:bottom}th:first-child,td:first-child,.text{text-align:left}
+th{font-weight:600;vertical-align:bottom;white-space:normal}th:first-child,td:first-child,.text{text-align:left}
 td.z{min-width:4.2rem}
 svg{display:block;width:100%;height:auto;max-width:44rem}svg text{fill:var(--ink);font:12px system-ui,sans-serif}
 @media print{:root{--ink:#000;--paper:#fff;--soft:#444;--line:#bbb;--panel:#f4f4f4;--low:33,102,172;--high:178,60,20}body{max-width:none;padding:0;font-size:10pt}h2{break-after:avoid}tr,svg{break-inside:avoid}td{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
@@ -99,7 +106,7 @@ std::string heat_map(const DiagnosisReport& r) {
     if (std::abs(r.result.misfits[i].z_after) > std::abs(z)) z = r.result.misfits[i].z_after;
   }
   std::string out = "<div class=\"wide\"><table><thead><tr><th>z after recalibration</th>";
-  for (const std::string& q : quantities) out += fmt::format("<th>{}</th>", escaped(q));
+  for (const std::string& q : quantities) out += fmt::format("<th>{}</th>", breakable(escaped(q)));
   out += "</tr></thead><tbody>\n";
   for (const std::string& c : conditions) {
     out += fmt::format("<tr><td>{}</td>", escaped(c));
@@ -228,18 +235,21 @@ std::string report_html(const DiagnosisReport& r) {
                        g.num_data, g.chi2, g.p, g.p < 0.01 ? " misfits" : "");
   out += "</tbody></table></div>\n" + heat_map(r) + misfit_table(r);
   out += "<h2>3. The cause</h2>\n";
-  for (const Explanation& e : d.causes)
-    out += fmt::format(
-        "<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}; held-out conditions: p = {:.2g}, {:+.1f} nats.</p>\n",
-        escaped(describe(r, e)), e.q, d.q0, e.weight, e.held_out_p, e.held_out_nats);
+  for (const Explanation& e : d.causes) {
+    out += fmt::format("<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}", escaped(describe(r, e)), e.q, d.q0, e.weight);
+    if (!std::isnan(e.held_out_p))
+      out += fmt::format("; held-out conditions: p = {:.2g}, {:+.1f} nats", e.held_out_p, e.held_out_nats);
+    out += ".</p>\n";
+  }
   for (const Explanation& e : d.refused)
     out += fmt::format("<p>Refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats).</p>\n",
                        escaped(describe(r, e)), e.held_out_p, e.held_out_nats);
   for (const Twins& t : d.twins)
-    out += fmt::format("<p>{} and {} {}.</p>\n", escaped(r.problem.effects[static_cast<std::size_t>(t.a)].id),
-                       escaped(r.problem.effects[static_cast<std::size_t>(t.b)].id),
-                       t.exact ? "cannot be told apart by these data"
-                               : fmt::format("are near twins, at most {:.1f} σ apart", t.distance));
+    out +=
+        fmt::format("<p>{} and {} {}.</p>\n", escaped(r.problem.effects[static_cast<std::size_t>(t.a)].id),
+                    escaped(r.problem.effects[static_cast<std::size_t>(t.b)].id),
+                    t.exact ? "cannot be told apart by these data"
+                            : fmt::format("are near twins, {:.1f} σ apart where they would just be seen", t.distance));
   if (d.verdict == Verdict::none_of_these)
     for (std::size_t k = 0; k < d.pattern_cosine.size(); ++k)
       if (std::abs(d.pattern_cosine[k]) > 0.5)

@@ -116,14 +116,14 @@ std::string misfits_in_words(const DiagnosisReport& r) {
   for (std::size_t i = 0; i < r.result.misfits.size(); ++i) {
     const Datum& d = r.problem.data[i];
     const DatumMisfit& m = r.result.misfits[i];
-    if (d.use == Use::fit && std::abs(m.z_before) >= 2)
-      (m.z_before > 0 ? low : high)
+    if (d.use == Use::fit && std::abs(m.off_before) >= 2)
+      (m.off_before > 0 ? low : high)
           .push_back(fmt::format("{} ({:.3g} instead of {:.3g} {})", name_of(d), m.simulated_before, d.value, d.unit));
   }
   std::vector<std::string> parts;
   if (!low.empty()) parts.push_back(fmt::format("simulation too low: {}", fmt::join(low, ", ")));
   if (!high.empty()) parts.push_back(fmt::format("simulation too high: {}", fmt::join(high, ", ")));
-  return parts.empty() ? "no single number is 2 sigma off" : fmt::format("{}", fmt::join(parts, "; "));
+  return parts.empty() ? "no single number is off by 2 sigma or more" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
 std::string next_measurement(const DiagnosisReport& r) {
@@ -207,9 +207,12 @@ std::string report_text(const DiagnosisReport& r) {
   }
 
   out += "\n3. The cause\n  " + headline(r) + "\n";
-  for (const Explanation& e : d.causes)
-    out += fmt::format("  - {}: Q {:.1f} (plain model {:.1f}), weight {:.2f}, held out: p = {:.2g}, {:+.1f} nats\n",
-                       describe(r, e), e.q, d.q0, e.weight, e.held_out_p, e.held_out_nats);
+  for (const Explanation& e : d.causes) {
+    out += fmt::format("  - {}: Q {:.1f} (plain model {:.1f}), weight {:.2f}", describe(r, e), e.q, d.q0, e.weight);
+    if (!std::isnan(e.held_out_p))
+      out += fmt::format("; held-out conditions: p = {:.2g}, {:+.1f} nats", e.held_out_p, e.held_out_nats);
+    out += '\n';
+  }
   for (const Explanation& e : d.refused)
     out += fmt::format("  refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats)\n", describe(r, e),
                        e.held_out_p, e.held_out_nats);
@@ -219,10 +222,11 @@ std::string report_text(const DiagnosisReport& r) {
         out += fmt::format("  the misfit resembles {} (cosine {:.2f}); a hint, not a name\n", r.problem.effects[k].id,
                            d.pattern_cosine[k]);
   for (const Twins& t : d.twins)
-    out += fmt::format("  {} and {} {}\n", r.problem.effects[static_cast<std::size_t>(t.a)].id,
-                       r.problem.effects[static_cast<std::size_t>(t.b)].id,
-                       t.exact ? "cannot be told apart by these data at all: one is named, both are meant"
-                               : fmt::format("are near twins: {:.1f} sigma apart at most", t.distance));
+    out += fmt::format(
+        "  {} and {} {}\n", r.problem.effects[static_cast<std::size_t>(t.a)].id,
+        r.problem.effects[static_cast<std::size_t>(t.b)].id,
+        t.exact ? "cannot be told apart by these data at all: one is named, both are meant"
+                : fmt::format("are near twins: {:.1f} sigma apart where they would just be seen", t.distance));
   if (const std::string next = next_measurement(r); !next.empty()) out += "  measure next " + next + "\n";
   for (const Advice& a : d.advice)
     out += fmt::format("    {:<40} {:>6.1f} sigma, {:>3.0f} %\n", a.measurement, a.distance, 100 * a.power);
@@ -267,9 +271,14 @@ std::string report_text(const DiagnosisReport& r) {
                          q.rms_after, q.unit);
   }
   out += "\n6. What it changes\n";
-  out += studies.empty()
-             ? "  nothing: there is no extended study\n"
-             : "  run the study and extended.toml, and compare the optima (`drumsweep run`, `drumsweep contour`)\n";
+  if (r.change)
+    out += describe(*r.change);
+  else if (studies.empty())
+    out += "  nothing: there is no extended study\n";
+  else
+    out +=
+        "  not known yet: run the study and extended.toml (`drumsweep run`) and give both folders (--before, "
+        "--after)\n";
   return out;
 }
 

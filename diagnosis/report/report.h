@@ -7,6 +7,7 @@
 
 #include "diagnosis/campaign/runs.h"
 #include "diagnosis/model/verdict.h"
+#include "diagnosis/report/design_change.h"
 
 namespace drumsweep {
 
@@ -24,7 +25,8 @@ struct DiagnosisReport {
   std::vector<NumericsCheck> numerics;  ///< one a datum; empty: not checked
   std::vector<std::string> notes;       ///< what was left out, assumed, or is short
   std::size_t num_runs = 0;
-  std::int64_t budget = 0;  ///< runs by the budget law
+  std::int64_t budget = 0;             ///< runs by the budget law
+  std::optional<DesignChange> change;  ///< where both sweeps were given
 };
 
 /// All in one: outputs of the campaign, the data, the diagnosis. @throws InputError
