@@ -61,7 +61,7 @@ std::string inside(const std::string& folder, const std::string& name) {
 }
 
 Condition read_one(const Reader& in, const toml::table& t, const std::string& folder) {
-  in.only_keys(t, {"id", "file", "set", "group", "cost", "held_out", "baseline"});
+  in.only_keys(t, {"id", "file", "set", "group", "held_out", "baseline"});
   const std::string id = in.text(in.need(t, "id"), "id");
   std::vector<KeyChange> inputs;
   if (const toml::node* set = t.get("set")) {
@@ -76,8 +76,6 @@ Condition read_one(const Reader& in, const toml::table& t, const std::string& fo
     if (std::find(known.begin(), known.end(), c.group) == known.end())
       in.fail(*group, fmt::format("group = \"{}\": accepted is {}", c.group, fmt::join(known, " | ")));
   }
-  if (const toml::node* cost = t.get("cost")) c.cost = in.number(*cost, "cost");
-  if (!(c.cost > 0)) in.fail(*t.get("cost"), fmt::format("cost = {}: accepted is above 0", c.cost));
   if (const toml::node* baseline = t.get("baseline")) {
     if (!baseline->is_table()) in.fail(*baseline, "baseline: needs to be a table of quantities and numbers");
     for (const auto& [key, node] : *baseline->as_table())

@@ -42,7 +42,6 @@ struct Condition {
   bool is_scene = true;
   std::string type;   ///< "pile", "drum" ..., "study"
   std::string group;  ///< of its quantities where they do not say themselves; bench | drum | outlet | belt | mass
-  double cost = 1;
   bool held_out = false;
   /// What another program has simulated for these quantities: outputs are scaled so that the plain model at the prior's mean gives it.
   std::vector<std::pair<std::string, double>> baseline{};

@@ -544,18 +544,15 @@ class Diagnoser {
 
   /// Least distance between two members of the set with these data.
   double least_distance(const std::vector<Index>& outputs, const Eigen::MatrixXd& covariance,
-                        const std::vector<const Fit*>& members, double& weighted) const {
+                        const std::vector<const Fit*>& members) const {
     const FitSpace space = space_of(outputs, covariance);
     double least = std::numeric_limits<double>::infinity();
-    weighted = 0;
     for (const Fit* a : members)
       for (const Fit* b : members) {
         if (a == b) continue;
         const SubModel truth = make_sub_model(emulator_, space, problem_, a->effects),
                        rival = make_sub_model(emulator_, space, problem_, b->effects);
-        const double d = distance(rival, space, predict(truth, a->x), a->x.head(truth.num_parameters));
-        least = std::min(least, d);
-        weighted += d * d;
+        least = std::min(least, distance(rival, space, predict(truth, a->x), a->x.head(truth.num_parameters)));
       }
     return least;
   }
@@ -564,19 +561,18 @@ class Diagnoser {
     std::vector<const Fit*> members;
     for (const Explanation& e : out_.causes) members.push_back(&e.fit);
     if (members.size() < 2 || members.size() > 12) return;
-    const auto add = [&](const std::string& name, const std::vector<Index>& outputs, const Eigen::MatrixXd& covariance,
-                         double cost) {
-      double weighted = 0;
-      const double d = least_distance(outputs, covariance, members, weighted);
-      out_.advice.push_back({name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0, cost});
+    const auto add = [&](const std::string& name, const std::vector<Index>& outputs,
+                         const Eigen::MatrixXd& covariance) {
+      const double d = least_distance(outputs, covariance, members);
+      out_.advice.push_back({name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0});
     };
-    add("repeat the campaign", fit_, 0.5 * covariance_, 1);
+    add("repeat the campaign", fit_, 0.5 * covariance_);
     std::map<std::string, std::vector<Index>> extra;
     for (const Index i : problem_.with_use(Use::available)) extra[problem_.data[size(i)].condition].push_back(i);
     for (const auto& [condition, outputs] : extra) {
       std::vector<Index> all = fit_;
       all.insert(all.end(), outputs.begin(), outputs.end());
-      add(condition, all, covariance_, 1);
+      add(condition, all, covariance_);
     }
     std::stable_sort(out_.advice.begin(), out_.advice.end(),
                      [](const Advice& a, const Advice& b) { return a.distance > b.distance; });

@@ -80,7 +80,6 @@ struct Advice {
   std::string measurement;  ///< a condition with use = available, or "repeat the campaign"
   double distance;          ///< least predicted distance of two members of the set, in sigma
   double power;             ///< of telling the truth apart from the nearest other member
-  double cost;
 };
 
 struct HeldOutGain {
