@@ -441,7 +441,21 @@ class Diagnoser {
       (refused || alone ? out_.refused : out_.causes).push_back(std::move(e));
     }
     add_twins(total, list.empty() ? 0 : list.front().log_weight);
+    // Where every member would have to be stronger than it can be, none is the cause.
+    if (std::all_of(out_.causes.begin(), out_.causes.end(),
+                    [&](const Explanation& e) { return at_range_end(e.fit); })) {
+      out_.refused.insert(out_.refused.end(), out_.causes.begin(), out_.causes.end());
+      out_.causes.clear();
+    }
     if (!out_.causes.empty()) out_.gain = gain_of(out_.plain, out_.causes.front().fit);
+  }
+
+  bool at_range_end(const Fit& fit) const {
+    const SubModel m = model(fit.effects);
+    for (Index i = m.num_parameters; i < fit.x.size(); ++i)
+      for (const double end : {m.low[i], m.high[i]})
+        if (end != 0 && std::abs(fit.x[i] - end) < 1e-3) return true;
+    return false;
   }
 
   Explanation explanation(const Candidate& c, double weight) const {

@@ -7,7 +7,8 @@
 ///     where pairs hold more than 90 % of the posterior.
 ///  3. Named is a set: the 95 % credible set of the adequate models (Laplace evidence, effect priors), and whatever lies within 3.84
 ///     of the best in Q, so that a wrong unique name stays below 2.5 % for rivals at any distance.
-///  4. Held-out conditions, never used so far, refuse members that predict them badly (p < 0.01).
+///  4. Held-out conditions, never used so far, refuse members that predict them badly (p < 0.01). A set in which every member would
+///     have to be stronger than its range allows is refused as a whole.
 ///  5. Gain of the best member: log predictive density of each held-out condition over that of the plain model.
 #pragma once
 
@@ -105,7 +106,7 @@ struct Diagnosis {
   std::vector<DatumMisfit> misfits;  ///< of all data
   std::vector<GroupMisfit> groups;
   std::vector<Explanation> causes;   ///< the set, best first; empty unless something is wrong and explained
-  std::vector<Explanation> refused;  ///< adequate, but not on the held-out conditions
+  std::vector<Explanation> refused;  ///< adequate, but not on the held-out conditions, or only at the end of its range
   std::vector<Fit> singles;          ///< one fit an effect
   std::vector<Detection> detection;
   Eigen::MatrixXd isolation;  ///< D (truth x rival) [sigma] where the truth is as strong as d = 5, or at its end

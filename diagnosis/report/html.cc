@@ -236,14 +236,17 @@ std::string report_html(const DiagnosisReport& r) {
   out += "</tbody></table></div>\n" + heat_map(r) + misfit_table(r);
   out += "<h2>3. The cause</h2>\n";
   for (const Explanation& e : d.causes) {
-    out += fmt::format("<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}", escaped(describe(r, e)), e.q, d.q0, e.weight);
+    out +=
+        fmt::format("<p>{}: Q {:.1f} instead of {:.1f}, weight {:.2f}", escaped(describe(r, e)), e.q, d.q0, e.weight);
     if (!std::isnan(e.held_out_p))
       out += fmt::format("; held-out conditions: p = {:.2g}, {:+.1f} nats", e.held_out_p, e.held_out_nats);
     out += ".</p>\n";
   }
   for (const Explanation& e : d.refused)
-    out += fmt::format("<p>Refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats).</p>\n",
-                       escaped(describe(r, e)), e.held_out_p, e.held_out_nats);
+    out += fmt::format(
+        "<p>Refused by the held-out conditions, or only possible at the end of its range: {} (p = {:.2g}, {:+.1f} "
+        "nats).</p>\n",
+        escaped(describe(r, e)), e.held_out_p, e.held_out_nats);
   for (const Twins& t : d.twins)
     out +=
         fmt::format("<p>{} and {} {}.</p>\n", escaped(r.problem.effects[static_cast<std::size_t>(t.a)].id),

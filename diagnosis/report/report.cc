@@ -214,8 +214,10 @@ std::string report_text(const DiagnosisReport& r) {
     out += '\n';
   }
   for (const Explanation& e : d.refused)
-    out += fmt::format("  refused by the held-out conditions: {} (p = {:.2g}, {:+.1f} nats)\n", describe(r, e),
-                       e.held_out_p, e.held_out_nats);
+    out += fmt::format(
+        "  refused by the held-out conditions, or only possible at the end of its range: {} (p = {:.2g}, {:+.1f} "
+        "nats)\n",
+        describe(r, e), e.held_out_p, e.held_out_nats);
   if (d.verdict == Verdict::none_of_these)
     for (std::size_t k = 0; k < d.pattern_cosine.size(); ++k)
       if (std::abs(d.pattern_cosine[k]) > 0.5)
