@@ -32,6 +32,7 @@ void add_bench(CLI::App& app, int& exit_code);
 void add_picture(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
+void add_diagnose(CLI::App& app, int& exit_code);
 void add_slurm(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 

@@ -40,9 +40,9 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 2 bad usage or input, 3 stopped early (run again to go on), 4 finished but some designs "
       "failed,\n"
       "5 refused: does not match what is stored, 6 another run holds the output.");
-  // "Stopped early, run again" makes sense for these two only; elsewhere a file that cannot be read or written is bad input.
+  // "Stopped early, run again" makes sense for these only; elsewhere a file that cannot be read or written is bad input.
   const std::string command = argc > 1 ? argv[1] : "";
-  const bool resumable = command == "run" || command == "simulate";
+  const bool resumable = command == "run" || command == "simulate" || command == "diagnose";
   int exit_code = exit_done;
   add_init(app, exit_code);
   add_check(app, exit_code);
@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   add_picture(app, exit_code);
   add_export(app, exit_code);
   add_verify(app, exit_code);
+  add_diagnose(app, exit_code);
   add_slurm(app, exit_code);
   add_doctor(app, exit_code);
 

@@ -16,7 +16,10 @@ enum class Purpose : std::uint32_t {
   ball_size = 5,
   space_filling = 6,
   posterior_draw = 7,
-  fit_parameters = 8
+  fit_parameters = 8,
+  campaign = 20,
+  bootstrap = 21,
+  adversary = 22
 };
 
 inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {

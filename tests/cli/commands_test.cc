@@ -302,7 +302,8 @@ TEST(Check, every_shipped_schedule_is_valid) {
   const TestFolder folder;
   int num = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(DRUMSWEEP_SOURCE_DIR) + "/schedules")) {
-    if (entry.path().extension() != ".toml") continue;
+    // A campaign is for `diagnose`; tests/diagnosis reads those.
+    if (entry.path().extension() != ".toml" || entry.path().stem().string().ends_with("_campaign")) continue;
     EXPECT_EQ(drumsweep(folder, {"check", entry.path().string()}).code, 0) << entry.path();
     ++num;
   }

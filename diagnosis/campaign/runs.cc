@@ -1,0 +1,356 @@
+#include "diagnosis/campaign/runs.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "core/config/toml_reader.h"
+#include "core/io/durable_file.h"
+#include "core/io/hdf5_image.h"
+#include "core/io/snapshot.h"
+#include "diagnosis/model/draws.h"
+#include "diagnosis/model/fit.h"
+#include "sweep/fit/box.h"
+#include "sweep/stop.h"
+#include "sweep/store/output_lock.h"
+#include "sweep/store/store.h"
+
+namespace drumsweep {
+namespace {
+
+namespace fs = std::filesystem;
+using Index = Eigen::Index;
+
+constexpr int run_layout = 1;
+
+/// Seeds stay below 2^53, as everywhere.
+std::int64_t mixed(std::int64_t seed, std::uint64_t number) {
+  return replicate_seed(seed, static_cast<double>(number + 1));
+}
+
+std::string header() {
+  return fmt::format("# drumsweep diagnosis folder, layout {}, program {}\n", run_layout, DRUMSWEEP_VERSION);
+}
+
+}  // namespace
+
+DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_design_runs) {
+  const auto num_parameters = static_cast<Index>(c.parameters.size()),
+             num_effects = static_cast<Index>(c.candidates.size());
+  DesignPoint out;
+  out.u = Eigen::VectorXd::Zero(num_parameters);
+  out.p = Eigen::VectorXd::Zero(num_effects);
+  if (run >= num_design_runs) {
+    const std::size_t pair = (run - num_design_runs) / 2;
+    out.finer = (run - num_design_runs) % 2 == 1;
+    out.seed = mixed(c.seed, 1'000'000'000 + pair);
+    return out;
+  }
+  out.seed = mixed(c.seed, run);
+  const std::vector<double> at = low_discrepancy(c.parameters.size() + 2, c.seed, run);
+  for (Index j = 0; j < num_parameters; ++j) out.u[j] = design_reach * (2 * at[static_cast<std::size_t>(j)] - 1);
+  const double first = at[c.parameters.size()], second = at[c.parameters.size() + 1];
+  // In blocks of twenty runs 3 have no effect, 9 one and 8 two.
+  const std::size_t in_block = run % 20, block = run / 20;
+  const auto strength = [&](Index k, double t) {
+    const CandidateEffect& e = c.candidates[static_cast<std::size_t>(k)].effect;
+    out.p[k] = e.inner(e.low) + (e.inner(e.high) - e.inner(e.low)) * t;
+  };
+  const std::size_t number = in_block % 20 < 3 ? 0 : in_block < 12 ? 1 : 2;
+  if (number == 1)
+    strength(static_cast<Index>((block * 9 + in_block - 3) % static_cast<std::size_t>(num_effects)), first);
+  if (number == 2) {
+    if (num_effects == 1) {
+      strength(0, first);
+      return out;
+    }
+    // Pairs in turn.
+    const auto num_pairs = static_cast<std::size_t>(num_effects * (num_effects - 1) / 2);
+    std::size_t left = (block * 8 + in_block - 12) % num_pairs;
+    Index a = 0;
+    for (; left >= static_cast<std::size_t>(num_effects - 1 - a); ++a)
+      left -= static_cast<std::size_t>(num_effects - 1 - a);
+    strength(a, first);
+    strength(a + 1 + static_cast<Index>(left), second);
+  }
+  return out;
+}
+
+std::optional<RunResult> simulate_run(const Campaign& c, const DesignPoint& point, int threads, const GoOn& go_on) {
+  RunResult out;
+  for (std::size_t i = 0; i < c.conditions.size(); ++i) {
+    const Condition& condition = c.conditions[i];
+    out.observables.emplace_back();
+    out.failure.emplace_back();
+    try {
+      ConditionResult r = condition.simulate(mixed(point.seed, i), c.changes(condition, point.u, point.p),
+                                             {point.finer}, threads, go_on);
+      if (r.stopped) return std::nullopt;
+      out.observables.back() = std::move(r.observables);
+      out.cpu_s += r.cpu_s;
+    } catch (const std::exception& error) {
+      out.failure.back() = error.what();
+    }
+  }
+  return out;
+}
+
+std::string pack_run(const Campaign& c, const RunResult& r) {
+  Hdf5Writer out;
+  out.attribute("program_version", std::string(DRUMSWEEP_VERSION));
+  out.attribute("cpu_s", r.cpu_s);
+  for (std::size_t i = 0; i < c.conditions.size(); ++i) {
+    std::vector<std::string> names, units, position_units;
+    std::vector<double> numbers;
+    for (const Observable& o : r.observables[i]) {
+      names.push_back(o.name);
+      units.push_back(o.unit);
+      position_units.push_back(o.position_unit);
+      numbers.insert(numbers.end(), {o.position, o.value, o.sigma});
+    }
+    const std::string group = fmt::format("conditions/{}", i);
+    out.attribute("id", c.conditions[i].id, group);
+    out.texts(group + "/failure", {r.failure[i]}, "why this condition could not be simulated; empty: it was");
+    if (names.empty()) continue;
+    out.texts(group + "/names", names, "quantities");
+    out.texts(group + "/units", units, "of value and standard error");
+    out.texts(group + "/position_units", position_units, "of the position");
+    out.dataset(group + "/numbers", numbers, 3, "in units", "position, value, standard error");
+  }
+  return out.seal("diagnosis_run", run_layout);
+}
+
+RunResult unpack_run(const std::string& bytes, const Campaign& c, const std::string& source) {
+  const Hdf5Reader in(bytes, "diagnosis_run", run_layout, source);
+  RunResult out;
+  out.cpu_s = in.real("cpu_s");
+  for (std::size_t i = 0; i < c.conditions.size(); ++i) {
+    const std::string group = fmt::format("conditions/{}", i);
+    out.failure.push_back(in.texts(group + "/failure").at(0));
+    out.observables.emplace_back();
+    if (!out.failure.back().empty()) continue;
+    const std::vector<std::string> names = in.texts(group + "/names"), units = in.texts(group + "/units"),
+                                   position_units = in.texts(group + "/position_units");
+    const std::vector<double> numbers = in.doubles(group + "/numbers");
+    for (std::size_t k = 0; k < names.size(); ++k)
+      out.observables.back().push_back(
+          {names[k], numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2], units[k], position_units[k]});
+  }
+  return out;
+}
+
+std::string CampaignStore::run_path(std::size_t run) const { return fmt::format("{}/runs/{:06}.h5", folder, run); }
+bool CampaignStore::has(std::size_t run) const { return fs::exists(run_path(run)); }
+
+void CampaignStore::check(const Campaign& campaign) const {
+  const std::string path = folder + "/campaign.txt";
+  if (!fs::exists(folder)) return;
+  if (!fs::exists(path)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name != "lock" && name != "run.log" && entry.path().extension() != ".tmp")
+        throw MismatchError(fmt::format(
+            "{}: is not empty and not the output folder of a diagnosis; nothing was changed, choose another folder",
+            folder));
+    }
+    return;
+  }
+  const std::string stored = read_whole_file(path), given = header() + campaign.fingerprint();
+  if (stored == given) return;
+  // The first line that differs says most.
+  std::size_t at = 0, line = 0;
+  while (at < std::min(stored.size(), given.size()) && stored[at] == given[at]) {
+    if (stored[at] == '\n') line = at + 1;
+    ++at;
+  }
+  const auto line_of = [&](const std::string& text) { return text.substr(line, text.find('\n', line) - line); };
+  throw MismatchError(
+      fmt::format("{}: was made by another campaign or program version; nothing was changed. Stored: \"{}\"; given: "
+                  "\"{}\". Measured values, runs "
+                  "and bootstraps may change, what is simulated may not",
+                  folder, line_of(stored), line_of(given)));
+}
+
+void CampaignStore::open(const Campaign& campaign) const {
+  check(campaign);
+  make_folder(folder + "/runs");
+  if (!fs::exists(folder + "/campaign.txt")) write_durably(folder + "/campaign.txt", header() + campaign.fingerprint());
+}
+
+namespace {
+
+/// Runs with their numbers in the store: design runs count from 0, numerics from 900000, so that a longer design keeps all.
+constexpr std::size_t numerics_begin = 900'000;
+
+std::vector<std::size_t> wanted_runs(const Campaign& c) {
+  std::vector<std::size_t> list;
+  // Numerics first: a campaign whose numbers are not converged is best known early.
+  for (std::size_t i = 0; i < 2 * static_cast<std::size_t>(c.numerics_runs); ++i) list.push_back(numerics_begin + i);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(c.num_runs()); ++i) list.push_back(i);
+  return list;
+}
+
+Work make_work(const Campaign& campaign, int threads) {
+  return [campaign, threads](std::size_t task, const GoOn& go_on) -> std::string {
+    const std::optional<RunResult> result =
+        simulate_run(campaign, design_point(campaign, task, numerics_begin), threads, go_on);
+    return result ? pack_run(campaign, *result) : "";
+  };
+}
+
+}  // namespace
+
+TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads,
+                         Reporter& reporter) {
+  const CampaignStore store{folder};
+  std::optional<OutputLock> lock;
+  try {
+    store.check(campaign);
+    make_folder(folder);
+    lock.emplace(folder + "/lock");
+    store.open(campaign);
+    reporter.log_to(folder + "/run.log");
+  } catch (...) {
+    // The others wait for a job.
+    farm.send_all(Tag::stop, "");
+    farm.close();
+    throw;
+  }
+  TaskJob job;
+  const std::vector<std::size_t> wanted = wanted_runs(campaign);
+  for (const std::size_t run : wanted) {
+    if (store.has(run)) try {
+        verify_seal(read_whole_file(store.run_path(run)), store.run_path(run));
+        continue;
+      } catch (const StoreError& error) {
+        reporter.warn(set_aside(store.run_path(run), error.what()));
+      }
+    job.tasks.push_back(run);
+  }
+  const std::size_t before = wanted.size() - job.tasks.size();
+  reporter.info(fmt::format("diagnosis \"{}\": {} runs of {} conditions, {} there already, on {} rank{}, into {}",
+                            campaign.name, wanted.size(), campaign.conditions.size(), before, farm.size(),
+                            farm.size() == 1 ? "" : "s", folder));
+  job.text = fs::absolute(campaign.path).string() + "\n" + campaign.fingerprint();
+  job.work = make_work(campaign, threads);
+  job.store = [&](std::size_t run, const std::string& bytes) { write_durably(store.run_path(run), bytes); };
+  const auto begin = std::chrono::steady_clock::now();
+  auto said = begin;
+  job.progress = [&](std::size_t done, std::size_t running) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - said < std::chrono::seconds(30) || done == 0) return;
+    said = now;
+    const double per_run = std::chrono::duration<double>(now - begin).count() / static_cast<double>(done);
+    reporter.info(fmt::format("{} of {} runs, {} running, about {} left", before + done, wanted.size(), running,
+                              clock_text(per_run * static_cast<double>(job.tasks.size() - done))));
+  };
+  return hand_out_tasks(farm, job);
+}
+
+void serve_campaign(Farm& farm, int threads) {
+  serve_tasks(farm, [threads](const std::string& text) {
+    const std::size_t line = text.find('\n');
+    const Campaign campaign = read_campaign(text.substr(0, line));
+    if (campaign.fingerprint() != text.substr(line + 1))
+      throw std::runtime_error(campaign.path + ": is not the same here as for rank 0, or was changed meanwhile");
+    return make_work(campaign, threads);
+  });
+}
+
+CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder) {
+  const CampaignStore store{folder};
+  if (!folder.empty()) store.check(campaign);
+  CampaignPlan plan;
+  plan.num_runs = static_cast<std::size_t>(campaign.num_runs());
+  plan.num_numerics = 2 * static_cast<std::size_t>(campaign.numerics_runs);
+  std::size_t finer = 0, plain = 0;
+  for (const std::size_t run : wanted_runs(campaign)) {
+    if (!folder.empty() && store.has(run))
+      ++plan.stored;
+    else
+      ++(run >= numerics_begin && run % 2 == 1 ? finer : plain);
+  }
+  const std::optional<RunResult> one =
+      simulate_run(campaign, design_point(campaign, 0, numerics_begin), 1, [] { return !stop_requested(); });
+  plan.cpu_s_per_run = one ? one->cpu_s : std::nan("");
+  // Twice the steps with four times the iterations: measured four to six times the time.
+  plan.cpu_s_left = plan.cpu_s_per_run * (static_cast<double>(plain) + 5 * static_cast<double>(finer));
+  return plan;
+}
+
+CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& results, std::size_t num_design_runs,
+                              const MeasuredData& measured) {
+  const auto q = static_cast<Index>(measured.data.size());
+  CampaignOutputs out;
+  const auto outputs_of = [&](const RunResult& r, const DesignPoint& point, std::string& why) {
+    Eigen::VectorXd y(q);
+    for (Index i = 0; i < q; ++i) {
+      const Datum& d = measured.data[static_cast<std::size_t>(i)];
+      const std::size_t condition = c.index_of(d.condition);
+      y[i] = read_off(r.observables[condition], d.quantity, d.position);
+      for (std::size_t k = 0; k < c.candidates.size(); ++k)
+        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i],
+                                       c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
+      if (!std::isfinite(y[i]) && why.empty())
+        why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d))
+                                           : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
+    }
+    return y;
+  };
+  // Numerics first: a candidate may need their mean.
+  std::vector<Eigen::VectorXd> difference;
+  for (std::size_t i = num_design_runs; i + 1 < results.size(); i += 2) {
+    std::string why;
+    const DesignPoint plain = design_point(c, numerics_begin, numerics_begin);
+    const Eigen::VectorXd coarse = outputs_of(results[i], plain, why), fine = outputs_of(results[i + 1], plain, why);
+    if (why.empty())
+      difference.push_back(fine - coarse);
+    else
+      out.left_out.push_back(fmt::format("numerics pair {}: {}", (i - num_design_runs) / 2, why));
+  }
+  out.numerics.resize(static_cast<Index>(difference.size()), q);
+  for (std::size_t i = 0; i < difference.size(); ++i)
+    out.numerics.row(static_cast<Index>(i)) = difference[i].transpose();
+  Eigen::VectorXd numerics = Eigen::VectorXd::Zero(q);
+  if (!difference.empty()) numerics = out.numerics.colwise().mean().transpose();
+
+  std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
+  for (std::size_t i = 0; i < num_design_runs && i < results.size(); ++i) {
+    std::string why;
+    const DesignPoint point = design_point(c, i, numerics_begin);
+    Eigen::VectorXd y = outputs_of(results[i], point, why);
+    for (std::size_t k = 0; k < c.candidates.size(); ++k)
+      if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * numerics;
+    out.cpu_s += results[i].cpu_s;
+    if (why.empty())
+      rows.emplace_back(point, std::move(y));
+    else
+      out.left_out.push_back(fmt::format("run {}: {}", i, why));
+  }
+  const auto num = static_cast<Index>(rows.size());
+  out.runs.parameters.resize(num, static_cast<Index>(c.parameters.size()));
+  out.runs.strengths.resize(num, static_cast<Index>(c.candidates.size()));
+  out.runs.outputs.resize(num, q);
+  for (Index i = 0; i < num; ++i) {
+    const auto& [point, y] = rows[static_cast<std::size_t>(i)];
+    out.runs.parameters.row(i) = point.u.transpose();
+    out.runs.strengths.row(i) = point.p.transpose();
+    out.runs.outputs.row(i) = y.transpose();
+  }
+  return out;
+}
+
+CampaignOutputs read_runs(const Campaign& c, const std::string& folder, const MeasuredData& measured) {
+  const CampaignStore store{folder};
+  std::vector<RunResult> results;
+  const auto load = [&](std::size_t run) {
+    const std::string path = store.run_path(run);
+    results.push_back(unpack_run(read_whole_file(path), c, path));
+  };
+  for (std::size_t i = 0; i < static_cast<std::size_t>(c.num_runs()); ++i) load(i);
+  for (std::size_t i = 0; i < 2 * static_cast<std::size_t>(c.numerics_runs); ++i) load(numerics_begin + i);
+  return read_off_runs(c, results, static_cast<std::size_t>(c.num_runs()), measured);
+}
+
+}  // namespace drumsweep

@@ -1,0 +1,208 @@
+#include "diagnosis/model/fit.h"
+
+#include <numbers>
+
+namespace drumsweep {
+namespace {
+
+constexpr int max_steps = 40;
+
+/// What a step of the minimisation needs at a point.
+struct Point {
+  double s = 0, chi2 = 0, v = 0;
+  Eigen::VectorXd gradient;   ///< of S / 2
+  Eigen::MatrixXd curvature;  ///< Gauss-Newton, of S / 2
+};
+
+Point look(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+           const Eigen::VectorXd& x, bool slopes) {
+  Point at;
+  const Eigen::VectorXd f = features_of(x), af = model.a * f;
+  at.v = f.dot(af);
+  const Eigen::VectorXd residual = z - model.coefficients.transpose() * f;
+  const Eigen::ArrayXd variance = 1 + at.v * space.lambda.array();
+  const Eigen::ArrayXd squares = residual.array().square();
+  const Eigen::VectorXd off = x.head(model.num_parameters) - centre;
+  at.chi2 = (squares / variance).sum() + off.squaredNorm();
+  at.s = at.chi2 + variance.log().sum();
+  if (!slopes) return at;
+
+  const Eigen::MatrixXd slope = feature_slopes(x);
+  const Eigen::MatrixXd jacobian = model.coefficients.transpose() * slope;  // (outputs x dimensions)
+  const Eigen::VectorXd weight = variance.inverse().matrix();
+  at.gradient = -jacobian.transpose() * (weight.array() * residual.array()).matrix();
+  // S also changes with v(x).
+  const double ds_dv = (space.lambda.array() / variance - squares * space.lambda.array() / variance.square()).sum();
+  at.gradient += ds_dv * (slope.transpose() * af);
+  at.curvature = jacobian.transpose() * weight.asDiagonal() * jacobian;
+  at.gradient.head(model.num_parameters) += off;
+  at.curvature.diagonal().head(model.num_parameters).array() += 1;
+  return at;
+}
+
+/// Levenberg's method in a box; what lies on a side and wants out is held there. `held`: a coordinate that does not move.
+Eigen::VectorXd minimise(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
+                         const Eigen::VectorXd& centre, Eigen::VectorXd x, Eigen::Index held = -1) {
+  const Eigen::Index n = x.size();
+  Point at = look(model, space, z, centre, x, true);
+  double damping = 1e-4;
+  for (int step = 0; step < max_steps; ++step) {
+    Eigen::MatrixXd h = at.curvature;
+    Eigen::VectorXd g = at.gradient;
+    h.diagonal() *= 1 + damping;
+    h.diagonal().array() += 1e-9;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const bool stuck = i == held || (x[i] <= model.low[i] && g[i] > 0) || (x[i] >= model.high[i] && g[i] < 0);
+      if (!stuck) continue;
+      h.row(i).setZero();
+      h.col(i).setZero();
+      h(i, i) = 1;
+      g[i] = 0;
+    }
+    const Eigen::VectorXd next = (x - h.ldlt().solve(g)).cwiseMax(model.low).cwiseMin(model.high);
+    const double moved = (next - x).cwiseAbs().maxCoeff();
+    if (moved < 1e-7) break;
+    const Point then = look(model, space, z, centre, next, true);
+    if (then.s < at.s) {
+      const double gained = at.s - then.s;
+      x = next;
+      at = then;
+      damping = std::max(1e-6, 0.2 * damping);
+      if (gained < 1e-6) break;
+    } else {
+      damping *= 8;
+      if (damping > 1e8) break;
+    }
+  }
+  return x;
+}
+
+}  // namespace
+
+FitSpace make_fit_space(const Emulator& emulator, const std::vector<Eigen::Index>& outputs,
+                        const Eigen::MatrixXd& covariance, const FitOptions& options) {
+  FitSpace space;
+  space.outputs = outputs;
+  const Eigen::MatrixXd noise = emulator.noise()(outputs, outputs);
+  // V^T covariance V = 1, V^T noise V = lambda.
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(noise, covariance);
+  space.to_rotated = solver.eigenvectors().transpose();
+  space.to_plain = covariance * solver.eigenvectors();
+  space.lambda = solver.eigenvalues().cwiseMax(0);
+  if (!options.with_simulation_noise) space.lambda.setZero();
+  space.coefficients = emulator.coefficients()(Eigen::all, outputs) * space.to_rotated.transpose();
+  return space;
+}
+
+SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const Problem& problem,
+                        const std::vector<int>& effects) {
+  SubModel model;
+  model.effects = effects;
+  model.num_parameters = emulator.num_parameters();
+  const std::vector<Eigen::Index> features = emulator.features_of_model(effects);
+  model.coefficients = space.coefficients(features, Eigen::all);
+  model.a = emulator.inverse_information()(features, features);
+  model.low = Eigen::VectorXd::Constant(model.dimensions(), -fit_reach);
+  model.high = -model.low;
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    const CandidateEffect& e = problem.effects[static_cast<std::size_t>(effects[k])];
+    const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
+    model.low[i] = e.inner(e.low);
+    model.high[i] = e.inner(e.high);
+  }
+  return model;
+}
+
+Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+             const Eigen::VectorXd& start) {
+  Fit fit;
+  fit.effects = model.effects;
+  fit.x = minimise(model, space, z, centre, start);
+  const Point at = look(model, space, z, centre, fit.x, true);
+  fit.q = at.s;
+  fit.chi2 = at.chi2;
+  fit.v = at.v;
+  const Eigen::Index n = fit.x.size();
+  Eigen::MatrixXd curvature = at.curvature;
+  // A strength is known to lie in its range, whether or not the data see it.
+  curvature.diagonal().tail(n - model.num_parameters).array() += 1;
+  fit.spread = curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  return fit;
+}
+
+Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+              bool thorough) {
+  Eigen::VectorXd start(model.dimensions());
+  start << centre.cwiseMax(-fit_reach).cwiseMin(fit_reach),
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.effects.size()));
+  Fit best = fit_from(model, space, z, centre, start);
+  if (!thorough) return best;
+  const std::size_t num_corners = std::size_t{1} << model.effects.size();
+  for (std::size_t corner = 0; corner < num_corners; ++corner) {
+    for (std::size_t k = 0; k < model.effects.size(); ++k) {
+      const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
+      const bool up = (corner >> k & 1) != 0;
+      start[i] = up ? 0.5 * model.high[i] : model.low[i] < 0 ? 0.5 * model.low[i] : 0.1 * model.high[i];
+    }
+    Fit other = fit_from(model, space, z, centre, start);
+    if (other.q < best.q) best = std::move(other);
+  }
+  return best;
+}
+
+Eigen::VectorXd predict(const SubModel& model, const Eigen::VectorXd& x) {
+  return model.coefficients.transpose() * features_of(x);
+}
+
+Eigen::VectorXd full_point(const Emulator& emulator, const SubModel& model, const Eigen::VectorXd& x) {
+  Eigen::VectorXd full = Eigen::VectorXd::Zero(emulator.num_parameters() + emulator.num_effects());
+  full.head(model.num_parameters) = x.head(model.num_parameters);
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    full[model.num_parameters + model.effects[k]] = x[model.num_parameters + static_cast<Eigen::Index>(k)];
+  return full;
+}
+
+double log_evidence(const Fit& fit, const SubModel& model, const Problem& problem) {
+  // The prior of u and the volume of its posterior have the same powers of 2 pi; those of the strengths remain.
+  double sum = -0.5 * fit.q;
+  Eigen::MatrixXd curvature = fit.spread.inverse();
+  for (std::size_t k = 0; k < fit.effects.size(); ++k) {
+    const CandidateEffect& e = problem.effects[static_cast<std::size_t>(fit.effects[k])];
+    const double scale = e.inner(e.prior_scale), p = fit.x[model.num_parameters + static_cast<Eigen::Index>(k)] / scale;
+    sum += -0.5 * p * p - std::log(scale) + (e.low >= 0 || e.high <= 0 ? std::numbers::ln2 : 0.0);
+    const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
+    curvature(i, i) += 1 / (scale * scale) - 1;
+  }
+  // Of the Gaussian about the best point only what lies in the range counts.
+  const Eigen::MatrixXd spread = curvature.inverse();
+  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+  for (Eigen::Index i = model.num_parameters; i < fit.x.size(); ++i) {
+    const double sd = std::sqrt(spread(i, i));
+    sum += std::log(std::max(1e-6, below((model.high[i] - fit.x[i]) / sd) - below((model.low[i] - fit.x[i]) / sd)));
+  }
+  return sum + 0.5 * std::log(spread.determinant());
+}
+
+Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
+                          const Eigen::VectorXd& centre, const Fit& fit, std::size_t k) {
+  constexpr double rise = 3.8415;
+  const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
+  const auto above = [&](double p) {
+    Eigen::VectorXd x = fit.x;
+    x[i] = p;
+    x = minimise(model, space, z, centre, x, i);
+    return look(model, space, z, centre, x, false).s - fit.q - rise;
+  };
+  const auto side = [&](double end) {
+    if (above(end) < 0) return end;  // the range ends first
+    double inside = fit.x[i], outside = end;
+    for (int halving = 0; halving < 30; ++halving) {
+      const double middle = 0.5 * (inside + outside);
+      (above(middle) < 0 ? inside : outside) = middle;
+    }
+    return 0.5 * (inside + outside);
+  };
+  return {side(model.low[i]), side(model.high[i])};
+}
+
+}  // namespace drumsweep

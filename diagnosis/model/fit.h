@@ -1,0 +1,79 @@
+/// Fits of the emulator to measurements: which parameters and strengths bring it nearest, and how near.
+///
+/// Minimised over x = (u, p) in a box:
+///   S(x) = sum_i [ (z_i - m_i(x))^2 / s_i + ln s_i ] + |u - c|^2,   s_i = 1 + v(x) lambda_i,
+/// in coordinates z in which the measurement covariance is 1 and that of the simulation noise is diagonal (generalised
+/// eigenvectors of Sigma_s against Sigma_m), so that Sigma_m + v Sigma_s is diagonal for every v. c is the centre of the bench
+/// prior, 0 but in a bootstrap, where the bench measurements are drawn anew as well.
+#pragma once
+
+#include "diagnosis/model/emulator.h"
+
+namespace drumsweep {
+
+/// Largest |u| that the runs cover, and a fit may use: the design reaches 2.2 bench errors.
+inline constexpr double design_reach = 2.2, fit_reach = 2.6;
+
+/// A choice of outputs in rotated coordinates.
+struct FitSpace {
+  std::vector<Eigen::Index> outputs;
+  Eigen::MatrixXd to_rotated;    ///< z = to_rotated y (outputs x outputs), y in units of the scale
+  Eigen::MatrixXd to_plain;      ///< its inverse
+  Eigen::VectorXd lambda;        ///< variance of the simulation noise in each coordinate
+  Eigen::MatrixXd coefficients;  ///< of the emulator, rotated (features x outputs)
+};
+
+struct FitOptions {
+  bool with_simulation_noise = true;  ///< false only in tests that must fail
+};
+
+/// @param covariance  of the measurements of `outputs`, in units of the emulator's scale
+FitSpace make_fit_space(const Emulator& emulator, const std::vector<Eigen::Index>& outputs,
+                        const Eigen::MatrixXd& covariance, const FitOptions& options = {});
+
+/// One model: the parameters and some effects; all others are off.
+struct SubModel {
+  std::vector<int> effects;  ///< ascending
+  Eigen::Index num_parameters = 0;
+  Eigen::MatrixXd coefficients;  ///< (features of the model x outputs), rotated
+  Eigen::MatrixXd a;             ///< A of these features
+  Eigen::VectorXd low, high;     ///< box of x
+
+  Eigen::Index dimensions() const { return num_parameters + static_cast<Eigen::Index>(effects.size()); }
+};
+SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const Problem& problem,
+                        const std::vector<int>& effects);
+
+struct Fit {
+  std::vector<int> effects;
+  Eigen::VectorXd x;  ///< (parameters and effects of the model)
+  double q = 0;       ///< S at the minimum
+  double chi2 = 0;    ///< its first part and the prior's
+  double v = 0;
+  Eigen::MatrixXd spread;  ///< posterior covariance of x, from the Gauss-Newton Hessian
+};
+
+/// @param z  the measurements in rotated coordinates  @param centre  c, (parameters)
+/// @param start  first guess of x
+Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+             const Eigen::VectorXd& start);
+/// From effects that are off and, if `thorough`, also from half strength either way; the best of them.
+Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+              bool thorough = false);
+
+/// Prediction of the model in rotated coordinates.
+Eigen::VectorXd predict(const SubModel& model, const Eigen::VectorXd& x);
+/// The full point (all parameters, all effects) of a model's x.
+Eigen::VectorXd full_point(const Emulator& emulator, const SubModel& model, const Eigen::VectorXd& x);
+
+/// log of the evidence (Laplace): -q/2 + log prior of the strengths + log volume of the posterior.
+double log_evidence(const Fit& fit, const SubModel& model, const Problem& problem);
+
+/// 95 % interval of strength number `k` of the model: where S has risen by 3.84 after all else was refitted; in units of p.
+struct Interval {
+  double low, high;
+};
+Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
+                          const Eigen::VectorXd& centre, const Fit& fit, std::size_t k);
+
+}  // namespace drumsweep

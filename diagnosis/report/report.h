@@ -1,0 +1,57 @@
+/// A diagnosis in the forms that people and programs read.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/campaign/runs.h"
+#include "diagnosis/model/verdict.h"
+#include "diagnosis/report/design_change.h"
+
+namespace drumsweep {
+
+/// h/2 and 4 x iterations against what the campaign has used.
+struct NumericsCheck {
+  std::size_t datum;
+  double difference, error;  ///< finer - as is, and its standard error, in the data's units
+  double in_sigma;           ///< difference / sigma of the measurement; above 0.3 the campaign is not converged for it
+};
+
+struct DiagnosisReport {
+  Campaign campaign;
+  Problem problem;
+  Diagnosis result;
+  std::vector<NumericsCheck> numerics;  ///< one a datum; empty: not checked
+  std::vector<std::string> notes;       ///< what was left out, assumed, or is short
+  std::size_t num_runs = 0;
+  std::int64_t budget = 0;             ///< runs by the budget law
+  std::optional<DesignChange> change;  ///< where both sweeps were given
+};
+
+/// All in one: outputs of the campaign, the data, the diagnosis. @throws InputError
+DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measured, const CampaignOutputs& outputs,
+                            const DiagnosisOptions& options);
+
+/// "rolling_resistance 0.21 [0.17, 0.26]"
+std::string describe(const DiagnosisReport& report, const Explanation& cause);
+/// One sentence for the verdict.
+std::string headline(const DiagnosisReport& report);
+/// What the plain model gets wrong at the bench values, in words: "simulation too low: ...; too high: ...".
+std::string misfits_in_words(const DiagnosisReport& report);
+/// What to measure next, empty where nothing is advised.
+std::string next_measurement(const DiagnosisReport& report);
+
+std::string report_text(const DiagnosisReport& report);
+std::string report_html(const DiagnosisReport& report);
+std::string report_hdf5(const DiagnosisReport& report);
+/// File names and contents: misfit.csv, candidates.csv, gain.csv.
+std::vector<std::pair<std::string, std::string>> report_tables(const DiagnosisReport& report);
+/// The campaign's study with the causes at their fitted strengths: extended.toml for the best, extended_2.toml ... for the others of
+/// the set. Empty without a study or a cause.
+std::vector<std::pair<std::string, std::string>> extended_studies(const DiagnosisReport& report);
+
+/// Writes everything into the folder, durably. @return the paths
+std::vector<std::string> write_report(const DiagnosisReport& report, const std::string& folder);
+
+}  // namespace drumsweep
