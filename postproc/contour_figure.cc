@@ -355,7 +355,7 @@ void draw_hull(Script& script, std::string& data, const ContourContent& content)
   script.draw("hull", "using 1:2 with lines lw 1.8 lc rgb '#8a8a8a'");
 }
 
-void draw_stages(Script& script, std::string& data, const ContourContent& content) {
+void draw_stages(Script& script, std::string& data, const ContourContent& content, ContourGround ground) {
   if (!content.elsewhere.empty()) {
     begin_block(data, "elsewhere");
     for (const PlanePoint& point : content.elsewhere) data += fmt::format("{:.9g} {:.9g}\n", point.x, point.y);
@@ -370,7 +370,8 @@ void draw_stages(Script& script, std::string& data, const ContourContent& conten
     const std::string block = fmt::format("stage {}", s + 1);
     begin_block(data, block);
     for (const ContourDesign& design : stage.designs)
-      data += fmt::format("{:.9g} {:.9g} {:.6g}\n", design.at.x, design.at.y, design.f_mm);
+      data += fmt::format("{0:.9g} {1:.9g} {2:.6g} \"{0:.6g}, {1:.6g}: f = {2:.4g} mm\"\n", design.at.x, design.at.y,
+                          design.f_mm);
     const std::string key = fmt::format("{} ({})", shortened(stage.name, 24), stage.designs.size());
     // A map drawn through the designs themselves has their colours already.
     const bool filled = total <= most_filled || content.raster.size == 0;
@@ -378,6 +379,9 @@ void draw_stages(Script& script, std::string& data, const ContourContent& conten
       script.draw(block, fmt::format("using 1:2:3 with points pt {} ps 1.35 lc palette", symbol.filled));
       script.draw(block, fmt::format("using 1:2 with points pt {} ps 1.35 lw 1.3 lc rgb '{}'", symbol.open, on_map));
       script.key(fmt::format("with points pt {} ps 1.2 lw 1.3 lc rgb 'black'", symbol.open), key);
+      // Said when pointed at; of many designs that would be most of a page's bytes.
+      if (ground == ContourGround::page)
+        script.draw(block, "using 1:2:4 with labels hypertext point pt 7 ps 1.35 lc rgb '#ff000000'");
     } else {
       script.draw(block, fmt::format("using 1:2 with points pt {} ps 0.4 lc rgb '{}'", symbol.filled, on_map));
       script.key(fmt::format("with points pt {} ps 0.5 lc rgb 'black'", symbol.filled), key);
@@ -438,7 +442,7 @@ FigureFiles map_figure(const ResultTable& table, const ContourOptions& options, 
     draw_levels(script, data, content, levels, frame, tolerance_mm, tolerance_crossed, font_size(picture_name, 9));
   }
   draw_region(script, data, content);
-  draw_stages(script, data, content);
+  draw_stages(script, data, content, ground);
   if (const ContourFit* fit = usable_fit(options); fit != nullptr && fit->optimum)
     draw_optimum(script, data, content, *fit->optimum, table, axes);
   draw_designs_that_matter(script, data, content, true, 0.0);

@@ -66,6 +66,14 @@ std::string for_page(const std::string& svg, const PageFigure& page) {
   // gnuplot names every curve in a tooltip of its own: words that mean nothing to a reader of the page.
   for (std::size_t at = out.find("<title>"); at != std::string::npos; at = out.find("<title>", at))
     out.erase(at, out.find("</title>", at) + 8 - at);
+  // What gnuplot's own script would show when a mark is pointed at, the browser shows by itself.
+  const std::string begins = "<g onmousemove=\"gnuplot_svg.showHypertext(evt,'",
+                    ends = "')\" onmouseout=\"gnuplot_svg.hideHypertext()\">";
+  for (std::size_t at = out.find(begins); at != std::string::npos; at = out.find(begins, at)) {
+    const std::size_t text = at + begins.size(), end = out.find(ends, text);
+    if (end == std::string::npos) break;
+    out.replace(at, end + ends.size() - at, fmt::format("<g><title>{}</title>", out.substr(text, end - text)));
+  }
   // The drawing's own size is in viewBox; width and height are the page's.
   const std::size_t head = out.find("<svg"), box = out.find("viewBox", head);
   if (head != std::string::npos && box != std::string::npos)
