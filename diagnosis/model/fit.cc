@@ -113,9 +113,9 @@ SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const P
   return model;
 }
 
-Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
-             const Eigen::VectorXd& start) {
-  Fit fit;
+ModelFit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+                  const Eigen::VectorXd& start) {
+  ModelFit fit;
   fit.effects = model.effects;
   fit.x = minimise(model, space, z, centre, start);
   const Point at = look(model, space, z, centre, fit.x, true);
@@ -130,12 +130,12 @@ Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd
   return fit;
 }
 
-Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
-              bool thorough) {
+ModelFit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
+                   const Eigen::VectorXd& centre, bool thorough) {
   Eigen::VectorXd start(model.dimensions());
   start << centre.cwiseMax(-fit_reach).cwiseMin(fit_reach),
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.effects.size()));
-  Fit best = fit_from(model, space, z, centre, start);
+  ModelFit best = fit_from(model, space, z, centre, start);
   if (!thorough) return best;
   const std::size_t num_corners = std::size_t{1} << model.effects.size();
   for (std::size_t corner = 0; corner < num_corners; ++corner) {
@@ -144,7 +144,7 @@ Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorX
       const bool up = (corner >> k & 1) != 0;
       start[i] = up ? 0.5 * model.high[i] : model.low[i] < 0 ? 0.5 * model.low[i] : 0.1 * model.high[i];
     }
-    Fit other = fit_from(model, space, z, centre, start);
+    ModelFit other = fit_from(model, space, z, centre, start);
     if (other.q < best.q) best = std::move(other);
   }
   return best;
@@ -162,7 +162,7 @@ Eigen::VectorXd full_point(const Emulator& emulator, const SubModel& model, cons
   return full;
 }
 
-double log_evidence(const Fit& fit, const SubModel& model, const Problem& problem) {
+double log_evidence(const ModelFit& fit, const SubModel& model, const Problem& problem) {
   // The prior of u and the volume of its posterior have the same powers of 2 pi; those of the strengths remain.
   double sum = -0.5 * fit.q;
   Eigen::MatrixXd curvature = fit.spread.inverse();
@@ -184,7 +184,7 @@ double log_evidence(const Fit& fit, const SubModel& model, const Problem& proble
 }
 
 Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
-                          const Eigen::VectorXd& centre, const Fit& fit, std::size_t k) {
+                          const Eigen::VectorXd& centre, const ModelFit& fit, std::size_t k) {
   constexpr double rise = 3.8415;
   const Eigen::Index i = model.num_parameters + static_cast<Eigen::Index>(k);
   const auto above = [&](double p) {

@@ -44,7 +44,7 @@ struct SubModel {
 SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const Problem& problem,
                         const std::vector<int>& effects);
 
-struct Fit {
+struct ModelFit {
   std::vector<int> effects;
   Eigen::VectorXd x;  ///< (parameters and effects of the model)
   double q = 0;       ///< S at the minimum
@@ -55,11 +55,11 @@ struct Fit {
 
 /// @param z  the measurements in rotated coordinates  @param centre  c, (parameters)
 /// @param start  first guess of x
-Fit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
-             const Eigen::VectorXd& start);
+ModelFit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+                  const Eigen::VectorXd& start);
 /// From effects that are off and, if `thorough`, also from half strength either way; the best of them.
-Fit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
-              bool thorough = false);
+ModelFit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
+                   const Eigen::VectorXd& centre, bool thorough = false);
 
 /// Prediction of the model in rotated coordinates.
 Eigen::VectorXd predict(const SubModel& model, const Eigen::VectorXd& x);
@@ -67,13 +67,13 @@ Eigen::VectorXd predict(const SubModel& model, const Eigen::VectorXd& x);
 Eigen::VectorXd full_point(const Emulator& emulator, const SubModel& model, const Eigen::VectorXd& x);
 
 /// log of the evidence (Laplace): -q/2 + log prior of the strengths + log volume of the posterior.
-double log_evidence(const Fit& fit, const SubModel& model, const Problem& problem);
+double log_evidence(const ModelFit& fit, const SubModel& model, const Problem& problem);
 
 /// 95 % interval of strength number `k` of the model: where S has risen by 3.84 after all else was refitted; in units of p.
 struct Interval {
   double low, high;
 };
 Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
-                          const Eigen::VectorXd& centre, const Fit& fit, std::size_t k);
+                          const Eigen::VectorXd& centre, const ModelFit& fit, std::size_t k);
 
 }  // namespace drumsweep

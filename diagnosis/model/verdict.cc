@@ -73,7 +73,7 @@ class Diagnoser {
   }
 
   /// The gain on held-out conditions of one fit over another.
-  HeldOutGain gain_of(const Fit& plain, const Fit& best) const {
+  HeldOutGain gain_of(const ModelFit& plain, const ModelFit& best) const {
     const SubModel m = model(best.effects);
     HeldOutGain gain;
     const std::vector<Index> all = problem_.with_use(Use::holdout);
@@ -152,7 +152,7 @@ class Diagnoser {
   }
   SubModel model(const std::vector<int>& effects) const { return make_sub_model(emulator_, space_, problem_, effects); }
 
-  Fit fit_plain(const Eigen::VectorXd& z, const Eigen::VectorXd& centre) const {
+  ModelFit fit_plain(const Eigen::VectorXd& z, const Eigen::VectorXd& centre) const {
     if (!options_.mutation.skip_refit) return fit_model(plain_model_, space_, z, centre);
     SubModel fixed = plain_model_;
     fixed.low.setConstant(-1e-9);
@@ -164,7 +164,7 @@ class Diagnoser {
   struct Drawn {
     Eigen::VectorXd z, centre;
   };
-  Drawn draw(const SubModel& m, const Fit& fit, std::uint64_t index) const {
+  Drawn draw(const SubModel& m, const ModelFit& fit, std::uint64_t index) const {
     const Index num = space_.lambda.size();
     const Eigen::VectorXd normal = normal_draws(options_.seed, Purpose::bootstrap, index, num + m.num_parameters);
     Drawn out;
@@ -176,7 +176,7 @@ class Diagnoser {
   // --- 1. is anything wrong?
 
   /// Sums of squares of each group, of the residuals in the plain units.
-  std::map<std::string, double> group_sums(const Eigen::VectorXd& z, const Fit& plain) const {
+  std::map<std::string, double> group_sums(const Eigen::VectorXd& z, const ModelFit& plain) const {
     const Eigen::VectorXd residual = space_.to_plain * (z - predict(plain_model_, plain.x));
     std::map<std::string, double> sums;
     for (std::size_t i = 0; i < fit_.size(); ++i) {
@@ -196,7 +196,7 @@ class Diagnoser {
     std::vector<double> omnibus_draws;
     for (int b = 0; b < options_.num_bootstraps; ++b) {
       const Drawn drawn = draw(plain_model_, out_.plain, static_cast<std::uint64_t>(b));
-      const Fit plain = fit_plain(drawn.z, drawn.centre);
+      const ModelFit plain = fit_plain(drawn.z, drawn.centre);
       omnibus_draws.push_back(plain.q);
       double best = 0;
       for (int k = 0; k < num_effects_; ++k) {
@@ -263,7 +263,7 @@ class Diagnoser {
   double distance(const SubModel& rival, const FitSpace& space, const Eigen::VectorXd& truth,
                   const Eigen::VectorXd& centre) const {
     // Two fits with the logarithms left out: their sum at the minimum is not part of a distance.
-    const Fit fit = fit_model(rival, space, truth, centre, true);
+    const ModelFit fit = fit_model(rival, space, truth, centre, true);
     return std::sqrt(std::max(0.0, fit.chi2));
   }
   Eigen::VectorXd with_effect(double p) const {
@@ -318,7 +318,7 @@ class Diagnoser {
       }
     // What is left after recalibration, against what each effect would leave.
     const Eigen::ArrayXd weight = (1 + out_.plain.v * space_.lambda.array()).sqrt().inverse();
-    const auto left = [&](const Eigen::VectorXd& z, const Fit& fit) {
+    const auto left = [&](const Eigen::VectorXd& z, const ModelFit& fit) {
       return Eigen::VectorXd((weight * (z - predict(plain_model_, fit.x)).array()).matrix());
     };
     const Eigen::VectorXd residual = left(z_, out_.plain);
@@ -331,7 +331,7 @@ class Diagnoser {
 
   // --- 4. causes
 
-  bool adequate(const SubModel& m, const Fit& fit) const {
+  bool adequate(const SubModel& m, const ModelFit& fit) const {
     // Far outside of any bootstrapped point there is no need to draw.
     const auto num = static_cast<double>(fit_.size());
     if (chi2_tail(fit.q / 1.5, num) < 1 - options_.adequate_level) return false;
@@ -347,7 +347,7 @@ class Diagnoser {
 
   struct Candidate {
     SubModel model;
-    Fit fit;
+    ModelFit fit;
     double log_weight;
     bool adequate = false;
   };
@@ -450,7 +450,7 @@ class Diagnoser {
     if (!out_.causes.empty()) out_.gain = gain_of(out_.plain, out_.causes.front().fit);
   }
 
-  bool at_range_end(const Fit& fit) const {
+  bool at_range_end(const ModelFit& fit) const {
     const SubModel m = model(fit.effects);
     for (Index i = m.num_parameters; i < fit.x.size(); ++i)
       for (const double end : {m.low[i], m.high[i]})
@@ -484,7 +484,7 @@ class Diagnoser {
     for (std::size_t i = 0; i < out_.causes.size(); ++i)
       for (std::size_t k = 0; k < out_.causes[i].fit.effects.size(); ++k)
         for (int j = 0; j < num_effects_; ++j) {
-          const Fit fit = out_.causes[i].fit;
+          const ModelFit fit = out_.causes[i].fit;
           std::vector<int> effects = fit.effects;
           if (!listed(j) || std::find(effects.begin(), effects.end(), j) != effects.end()) continue;
           effects[k] = j;
@@ -523,7 +523,7 @@ class Diagnoser {
     Eigen::VectorXd mean;
     Eigen::MatrixXd covariance;
   };
-  Prediction prediction(const SubModel& m, const Fit& fit, const std::vector<Index>& outputs) const {
+  Prediction prediction(const SubModel& m, const ModelFit& fit, const std::vector<Index>& outputs) const {
     const std::vector<Index> features = emulator_.features_of_model(m.effects);
     const Eigen::MatrixXd c = emulator_.coefficients()(features, outputs);
     const Eigen::MatrixXd slope = c.transpose() * feature_slopes(fit.x);
@@ -558,11 +558,11 @@ class Diagnoser {
 
   /// Least distance between two members of the set with these data.
   double least_distance(const std::vector<Index>& outputs, const Eigen::MatrixXd& covariance,
-                        const std::vector<const Fit*>& members) const {
+                        const std::vector<const ModelFit*>& members) const {
     const FitSpace space = space_of(outputs, covariance);
     double least = std::numeric_limits<double>::infinity();
-    for (const Fit* a : members)
-      for (const Fit* b : members) {
+    for (const ModelFit* a : members)
+      for (const ModelFit* b : members) {
         if (a == b) continue;
         const SubModel truth = make_sub_model(emulator_, space, problem_, a->effects),
                        rival = make_sub_model(emulator_, space, problem_, b->effects);
@@ -572,7 +572,7 @@ class Diagnoser {
   }
 
   void advise() {
-    std::vector<const Fit*> members;
+    std::vector<const ModelFit*> members;
     for (const Explanation& e : out_.causes) members.push_back(&e.fit);
     if (members.size() < 2 || members.size() > 12) return;
     const auto add = [&](const std::string& name, const std::vector<Index>& outputs,
@@ -655,7 +655,7 @@ Eigen::VectorXd scale_of(const Problem& problem) {
   return scale;
 }
 
-HeldOutGain held_out_gain(const Problem& problem, const Emulator& emulator, const Fit& plain, const Fit& best,
+HeldOutGain held_out_gain(const Problem& problem, const Emulator& emulator, const ModelFit& plain, const ModelFit& best,
                           const DiagnosisOptions& options) {
   return Diagnoser(problem, emulator, options).gain_of(plain, best);
 }

@@ -62,7 +62,7 @@ struct Explanation {
   double q, weight;  ///< weight: posterior among adequate models
   double held_out_p = std::nan("");
   double held_out_nats = std::nan("");
-  Fit fit;
+  ModelFit fit;
 };
 
 struct Detection {
@@ -101,13 +101,13 @@ struct Diagnosis {
   Verdict verdict = Verdict::nothing_wrong;
   double p_value = 1, p_omnibus = 1, p_directed = 1, q0 = 0, birge = 1;
   Eigen::Index num_fitted_data = 0;
-  Fit plain;                         ///< theta recalibrated, no effect
+  ModelFit plain;                    ///< theta recalibrated, no effect
   std::vector<double> theta_z;       ///< of the recalibrated parameters against their bench priors
   std::vector<DatumMisfit> misfits;  ///< of all data
   std::vector<GroupMisfit> groups;
   std::vector<Explanation> causes;   ///< the set, best first; empty unless something is wrong and explained
   std::vector<Explanation> refused;  ///< adequate, but not on the held-out conditions, or only at the end of its range
-  std::vector<Fit> singles;          ///< one fit an effect
+  std::vector<ModelFit> singles;     ///< one fit an effect
   std::vector<Detection> detection;
   Eigen::MatrixXd isolation;  ///< D (truth x rival) [sigma] where the truth is as strong as d = 5, or at its end
   std::vector<Twins> twins;
@@ -125,7 +125,7 @@ struct Diagnosis {
 Diagnosis diagnose(const Problem& problem, const Emulator& emulator, const DiagnosisOptions& options = {});
 
 /// Gain of a fit over that of the plain model on the data with use = holdout.
-HeldOutGain held_out_gain(const Problem& problem, const Emulator& emulator, const Fit& plain, const Fit& best,
+HeldOutGain held_out_gain(const Problem& problem, const Emulator& emulator, const ModelFit& plain, const ModelFit& best,
                           const DiagnosisOptions& options = {});
 
 /// Scale for an emulator of this problem: the data's sigma.
