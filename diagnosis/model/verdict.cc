@@ -575,10 +575,12 @@ class Diagnoser {
     std::vector<const ModelFit*> members;
     for (const Explanation& e : out_.causes) members.push_back(&e.fit);
     if (members.size() < 2 || members.size() > 12) return;
+    const double now = least_distance(fit_, covariance_, members);
     const auto add = [&](const std::string& name, const std::vector<Index>& outputs,
                          const Eigen::MatrixXd& covariance) {
       const double d = least_distance(outputs, covariance, members);
-      out_.advice.push_back({name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0});
+      out_.advice.push_back(
+          {name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0, std::max(0.0, d * d - now * now)});
     };
     add("repeat the campaign", fit_, 0.5 * covariance_);
     std::map<std::string, std::vector<Index>> extra;

@@ -81,6 +81,7 @@ struct Advice {
   std::string measurement;  ///< a condition with use = available, or "repeat the campaign"
   double distance;          ///< least predicted distance of two members of the set, in sigma
   double power;             ///< of telling the truth apart from the nearest other member
+  double gained = 0;        ///< what it adds to the square of that distance
 };
 
 struct HeldOutGain {
