@@ -28,6 +28,8 @@ frame.onload = () => {
   const mark = page.querySelector("svg.chart [data-tip]");
   mark.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", {bubbles: true, clientX: 50, clientY: 50}));
   out.tip = page.getElementById("tip").textContent;
+  out.maps = [...page.querySelectorAll("#contours [data-tip]")].filter((m) => m.dataset.tip.includes(": f = ")).length;
+  out.titles = page.querySelectorAll("#contours svg g title, #contours svg path title").length;
   out.overflow = page.documentElement.scrollWidth - frame.clientWidth;
   out.paper = frame.contentWindow.getComputedStyle(page.body).backgroundColor;
   out.ink = frame.contentWindow.getComputedStyle(page.body).color;
@@ -70,6 +72,7 @@ TEST(Report, page_opens_sorts_and_says_values_light_dark_narrow_and_wide) {
   if (!has_browser())
     GTEST_SKIP() << "chromium is not installed (cluster/packages_test.txt): the page is not looked at";
 
+  const bool has_gnuplot = Program(folder, {"gnuplot", "--version"}).wait() == 0;
   for (const int width : {390, 1600}) {
     const Json seen = probed(folder, width, {});
     const std::vector<double> up = numbers(seen["up"]), down = numbers(seen["down"]);
@@ -80,6 +83,11 @@ TEST(Report, page_opens_sorts_and_says_values_light_dark_narrow_and_wide) {
     EXPECT_EQ(seen["sort"].text, "ascending");
     EXPECT_NE(seen["tip"].text.find("mm"), std::string::npos) << seen["tip"].text;
     EXPECT_LE(seen["overflow"].number, 0) << width;
+    // Each of the four designs says its value on the map; the script took the words from where the browser would show them.
+    if (has_gnuplot) {
+      EXPECT_GE(seen["maps"].number, 4);
+      EXPECT_EQ(seen["titles"].number, 0);
+    }
     EXPECT_GT(red(seen["paper"].text), 200);
     EXPECT_LT(red(seen["ink"].text), 80);
   }
@@ -162,6 +170,8 @@ TEST(Rescore, values_that_make_no_sense_are_exit_2_with_key_value_and_range) {
     EXPECT_EQ(result.code, 2) << result.err;
     for (const std::string& word : bad.words)
       EXPECT_NE(result.err.find(word), std::string::npos) << word << ": " << result.err;
+    // A flag has no lines.
+    EXPECT_EQ(result.err.find(":1:"), std::string::npos) << result.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "new.csv"));
 }
