@@ -126,8 +126,8 @@ int print_plan(const Campaign& campaign, const std::string& folder) {
 void check_swept(const DiagnosisReport& report, const std::string& before, const std::vector<std::string>& after) {
   const auto studies = extended_studies(report);
   if (after.size() > studies.size())
-    throw InputError(fmt::format("--after is there {} times: accepted is at most {}, one for each of {}", after.size(),
-                                 studies.size(), studies.empty() ? "no extended study" : "the extended studies"));
+    throw InputError(fmt::format("--after is there {} times: accepted is at most {}, the number of extended studies",
+                                 after.size(), studies.size()));
   const Study plain = parse_study(read_text(report.campaign.study), report.campaign.study);
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (std::size_t i = 0; i < after.size(); ++i) {

@@ -23,6 +23,8 @@ std::string typeset(std::string text) {
       {std::regex("\\bsigma\\b"), "σ"},
       {std::regex("\\bchi2\\b"), "χ²"},
       {std::regex(" x "), " × "},
+      {std::regex(" \\| "), "; or "},
+      {std::regex("\\bp = "), "p\u00a0=\u00a0"},
       {std::regex(" - "), " − "},
       {std::regex("(^|[ \\[(])-(\\d)"), "$1−$2"},
       {std::regex("\\b(kg|m|s)-1\\b"), "$1⁻¹"},
@@ -183,16 +185,17 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
                 axis_over(label_of(first), values));
   Chart misfit(fmt::format("z of the {} of {}", spoken(first.quantity), first.condition), x,
                axis_over("z: measured − simulated, in σ", zs), 480, 210);
-  misfit.rule(shown_z, "simulation too low", "dash", Chart::RuleText::left_above);
-  misfit.rule(-shown_z, "too high", "dash", Chart::RuleText::left_below);
-  for (const Series& s : series) {
+  for (const double limit : {shown_z, -shown_z}) misfit.rule(limit, "", "dash");
+  // What was measured lies above the lines.
+  for (auto s = series.rbegin(); s != series.rend(); ++s) {
     std::vector<ChartPoint> points;
     for (const std::size_t i : data) {
-      const ExtendedValue v = s.value(i);
-      points.push_back({r.problem.data[i].position, v.value, v.sigma, tip_of(s, r.problem.data[i], v)});
+      const ExtendedValue v = s->value(i);
+      points.push_back({r.problem.data[i].position, v.value, v.sigma, tip_of(*s, r.problem.data[i], v)});
     }
-    if (s.name != "measured") profile.line(points, s.css);
-    profile.points(points, s.css, s.shape);
+    const bool measured = s->name == "measured";
+    if (!measured) profile.line(points, s->css);
+    profile.points(points, s->css, s->shape, measured ? 4.2 : 3.2);
   }
   for (const Series& s : {series[1], series[2]}) {
     std::vector<ChartPoint> points;
@@ -204,8 +207,10 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
     misfit.line(points, s.css);
     misfit.points(points, s.css, s.shape);
   }
-  return figure(profile.svg() + misfit.svg(), in_print(fmt::format("{}, {}{}.", first.condition, spoken(first.quantity),
-                                                                   first.use == Use::holdout ? " (held out)" : "")));
+  return figure(
+      profile.svg() + misfit.svg(),
+      in_print(fmt::format("{}, {}{}. Beyond the dashed lines of z: above, the simulation is too low, below, too high.",
+                           first.condition, spoken(first.quantity), first.use == Use::holdout ? " (held out)" : "")));
 }
 
 std::string compared_charts(const DiagnosisReport& r) {
@@ -228,12 +233,17 @@ std::string compared_charts(const DiagnosisReport& r) {
   for (const Series& s : series) legend.push_back({s.name, s.css, s.shape});
   if (!r.problem.with_use(Use::holdout).empty()) legend.push_back({"below it, held-out conditions", "dash", "line"});
   std::string charts;
-  for (const auto& [name, data] : rows) charts += rows_chart(r, series, data);
-  for (const auto& [name, data] : profiles) charts += profile_charts(r, series, data);
+  const auto add_group = [&](const auto& list, const auto& draw) {
+    if (list.empty()) return;
+    charts += "<div class=\"figures\">\n";
+    for (const auto& [name, data] : list) charts += draw(r, series, data);
+    charts += "</div>\n";
+  };
+  add_group(rows, rows_chart);
+  add_group(profiles, profile_charts);
   return fmt::format(
       "<h3>Measured and simulated</h3>\n<p class=\"note\">Bars are one standard error; for simulated numbers it holds "
-      "what "
-      "is not known of the parameters, and the emulator’s own.</p>\n{}<div class=\"figures\">\n{}</div>\n",
+      "what is not known of the parameters, and the emulator’s own.</p>\n{}{}",
       legend_html(legend), charts);
 }
 
@@ -289,7 +299,8 @@ std::string detection_chart(const DiagnosisReport& r) {
 std::string gain_chart(const HeldOutGain& g) {
   const std::size_t num = g.nats.size() + 1;
   std::vector<std::string> names = g.conditions;
-  names.emplace_back("mean, 95 %");
+  const bool has_interval = std::isfinite(g.low);
+  names.emplace_back(has_interval ? "mean, 95 %" : "mean");
   std::vector<double> values = g.nats;
   for (const double v : {0.0, g.low, g.high, g.mean}) values.push_back(v);
   ChartAxis x = axis_over("gain (nats of log predictive density)", values);
@@ -306,9 +317,8 @@ std::string gain_chart(const HeldOutGain& g) {
     chart.note(n, y, typeset(fmt::format("{:+.1f}", n)), n < 0 ? Chart::NoteSide::left : Chart::NoteSide::right);
   }
   chart.upright(0, "", "grey");
-  chart.whisker(g.low, g.high, 0, "best");
-  chart.points({{g.mean, 0, 0, typeset(fmt::format("mean {:.2f} [{:.2f}, {:.2f}] nats", g.mean, g.low, g.high))}},
-               "best", "diamond", 4.5);
+  if (has_interval) chart.whisker(g.low, g.high, 0, "best");
+  chart.points({{g.mean, 0, 0, typeset(gain_in_words(g))}}, "best", "diamond", 4.5);
   return figure(
       chart.svg(),
       "What the extension adds on conditions that no choice has looked at. It is adopted where the interval of "
@@ -334,8 +344,9 @@ std::string header_html(const DiagnosisReport& r) {
   std::string strip = stat("Error bars", fmt::format(" x {:.2f}", d.birge), "for the plain model to pass");
   if (!d.gain.nats.empty())
     strip += stat("Gain, held out", fmt::format("{:.1f} nats", d.gain.mean),
-                  fmt::format("95 %: {:.1f} to {:.1f}; {}", d.gain.low, d.gain.high,
-                              d.gain.adopted ? "adopted" : "not supported"));
+                  std::isfinite(d.gain.low) ? fmt::format("95 %: {:.1f} to {:.1f}; {}", d.gain.low, d.gain.high,
+                                                          d.gain.adopted ? "adopted" : "not supported")
+                                            : "one condition: not supported");
   strip += stat("Simulated", fmt::format("{} runs", r.num_runs), fmt::format("{} fitted data", d.num_fitted_data));
   std::string html = fmt::format("<h1>{}</h1>\n<p class=\"lead\"><b>{}</b>{}.</p>\n", escaped(r.campaign.name),
                                  escaped(words.substr(0, colon)), in_print(words.substr(colon)));

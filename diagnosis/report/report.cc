@@ -176,10 +176,19 @@ std::string next_measurement(const DiagnosisReport& r) {
   if (r.result.advice.empty()) return "";
   const Advice& a = r.result.advice.front();
   return fmt::format(
-      "{}: its nearest members would then be {:.1f} sigma apart, so the truth would be told from the nearest rival "
-      "with a "
-      "probability of {:.0f} %",
+      "{}: the nearest members of the set would then be {:.1f} sigma apart, so the truth would be told from its "
+      "nearest "
+      "rival with a probability of {:.0f} %",
       a.measurement, a.distance, 100 * a.power);
+}
+
+std::string gain_in_words(const HeldOutGain& g) {
+  if (g.nats.empty()) return "not known, no condition was held out";
+  if (!std::isfinite(g.low))
+    return fmt::format("{:.2f} nats on the one held-out condition: not supported, as one has no interval", g.mean);
+  return fmt::format(
+      "{:.2f} nats a condition [{:.2f}, {:.2f}] over {} conditions: {}", g.mean, g.low, g.high, g.nats.size(),
+      g.adopted ? "adopted, as the interval excludes zero" : "not supported, as the interval does not exclude zero");
 }
 
 std::optional<std::size_t> nearest_rival(const Diagnosis& d, std::size_t candidate) {
@@ -307,9 +316,7 @@ std::vector<std::pair<std::string, std::string>> extended_studies(const Diagnosi
       if (!c.acts_on_input_of(study))
         head += fmt::format("# {} acts on nothing in this study: no key was changed for it.\n", c.effect.id);
     }
-    head += fmt::format("# Gain on held-out conditions: {:.2f} nats a condition [{:.2f}, {:.2f}], {}.\n",
-                        r.result.gain.mean, r.result.gain.low, r.result.gain.high,
-                        r.result.gain.adopted ? "adopted" : "not supported");
+    head += fmt::format("# Gain on held-out conditions, of the best of the set: {}.\n", gain_in_words(r.result.gain));
     out.emplace_back(number == 1 ? "extended.toml" : fmt::format("extended_{}.toml", number), head + text);
   }
   return out;

@@ -50,6 +50,8 @@ std::vector<std::string> misfits_in_words(const DiagnosisReport& report);
 /// What to measure next, empty where nothing is advised.
 std::string next_measurement(const DiagnosisReport& report);
 
+/// The gain with its interval, and whether it is adopted.
+std::string gain_in_words(const HeldOutGain& gain);
 /// Whoever imitates this candidate best. Nothing where there is no other.
 std::optional<std::size_t> nearest_rival(const Diagnosis& diagnosis, std::size_t candidate);
 

@@ -14,6 +14,7 @@ namespace {
 using Index = Eigen::Index;
 
 constexpr double largest_numerics = 0.3;
+constexpr double open_balance = 0.05;  // a steady run of some hundred balls closes nearer than that
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -85,8 +86,14 @@ DiagnosisStep checks(const DiagnosisReport& r) {
         fmt::format("conservation, {}: {} is {:.3g} +- {:.2g} as measured{}{}", b.condition, b.what, b.measured,
                     b.sigma, std::isfinite(b.simulated) ? fmt::format(" and {:.3g} as simulated", b.simulated) : "",
                     b.closes() ? ""
-                               : ": THE MEASURED MASS BALANCE DOES NOT CLOSE, so one of these "
-                                 "numbers is wrong before any simulation is asked"));
+                               : ": THE MEASURED MASS BALANCE DOES NOT CLOSE, so one of these numbers is wrong before "
+                                 "any simulation is asked"));
+  for (const MassBalance& b : balances)
+    if (std::abs(b.simulated - 1) > open_balance)
+      step.lines.push_back(
+          fmt::format("conservation, {}: the simulated balance does not close: it is not steady, or "
+                      "loses balls",
+                      b.condition));
   bool more = false;
   for (std::size_t i = 0; i < r.problem.data.size(); ++i) {
     const Datum& datum = r.problem.data[i];
@@ -193,7 +200,8 @@ StepTable data_table(const DiagnosisReport& r) {
   const bool with_cause = !r.with_cause.empty();
   if (with_cause) {
     table.columns.push_back({"with the cause", true});
-    table.note += fmt::format(" With the cause: {}.", describe(r, r.result.causes.front()));
+    table.note += fmt::format(" With the cause: {}{}.", describe(r, r.result.causes.front()),
+                              r.result.causes.size() > 1 ? ", the best of the set" : "");
   }
   table.columns.insert(table.columns.end(), {{"unit"}, {"use"}});
   for (std::size_t i = 0; i < r.result.misfits.size(); ++i) {
@@ -369,9 +377,7 @@ DiagnosisStep gain(const DiagnosisReport& r) {
                                                  : "not known: no condition was held out");
     return step;
   }
-  step.lines.push_back(fmt::format(
-      "{:.2f} nats a condition [{:.2f}, {:.2f}] over {} conditions: {}", g.mean, g.low, g.high, g.nats.size(),
-      g.adopted ? "adopted, as the interval excludes zero" : "not supported, as the interval does not exclude zero"));
+  step.lines.push_back(gain_in_words(g));
   if (g.nats.size() < 6) step.lines.push_back("fewer than 6 held-out conditions hardly ever prove a gain");
   StepTable nats{"nats",
                  "Of each condition",

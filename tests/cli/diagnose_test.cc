@@ -75,6 +75,30 @@ TEST(Diagnose, page_opens_with_tables_and_figures_and_no_complaint) {
   EXPECT_GT(busy_share(file_text(picture)), 0.005);
 }
 
+TEST(Diagnose, sweeps_of_both_studies_say_what_keeping_the_old_design_costs) {
+  const TestFolder folder;
+  write_small_campaign(folder / "c", 0.1);
+  write_text(folder / "c/study.toml", tiny_study(2, 3));
+  ASSERT_EQ(drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out"}).code, 0);
+  EXPECT_NE(file_text(folder / "out/diagnosis.txt").find("not known yet: run the study"), std::string::npos);
+  ASSERT_EQ(drumsweep(folder, {"run", "c/study.toml", "-o", "plain"}).code, 0);
+  ASSERT_EQ(drumsweep(folder, {"run", "out/extended.toml", "-o", "extended"}).code, 0);
+  const Finished both =
+      drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "plain", "--after", "extended"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  for (const char* words : {"keeping the old design costs", "Optimum outlet", "base_width_m"})
+    EXPECT_NE(both.out.find(words), std::string::npos) << words << both.out;
+  // The one is not the other, and there is one extended study only.
+  const Finished swapped =
+      drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "extended", "--after", "plain"});
+  EXPECT_EQ(swapped.code, 2);
+  EXPECT_NE(swapped.err.find("there: accepted is a sweep of c/study.toml"), std::string::npos) << swapped.err;
+  const Finished two = drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "plain", "--after",
+                                          "extended", "--after", "extended"});
+  EXPECT_EQ(two.code, 2);
+  EXPECT_NE(two.err.find("--after is there 2 times"), std::string::npos) << two.err;
+}
+
 TEST(Diagnose, result_is_the_same_for_any_ranks_and_interruptions) {
   const TestFolder folder;
   write_small_campaign(folder / "c", 0.1, 120);
