@@ -71,12 +71,20 @@ std::string json_of(const DiagnosisReport& r) {
                                     .text("condition", d.advice.front().measurement)
                                     .number("distance_sigma", d.advice.front().distance)
                                     .number("power", d.advice.front().power)
+                                    .number("cost", r.advice_cost.front())
                                     .str());
   all.raw("gain", gain.str()).raw("detection_limits", json_list(limits));
   all.text("headline", headline(r))
       .number("birge", d.birge)
       .count("runs", static_cast<std::int64_t>(r.num_runs))
       .raw("notes", json_list(notes));
+  if (r.change) {
+    const DesignChange::Member& best = r.change->members.front();
+    JsonObject change;
+    change.number("regret_m", best.of_old.f_m).number("sigma_regret_m", best.of_old.sigma_m);
+    change.count("members", static_cast<std::int64_t>(r.change->members.size())).flag("agree", r.change->agree());
+    all.raw("design_change", change.str());
+  }
   return all.str();
 }
 

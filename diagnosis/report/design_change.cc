@@ -57,6 +57,7 @@ double distance(const Optimum& a, const Optimum& b) {
 
 /// As if the two errors were independent; near each other they are not, and the regret is surer than that.
 Regret regret_of(const FittedSurface& truth, const Point& built, const Point& best) {
+  if (built == best) return {};
   return {truth.mean_m(built) - truth.mean_m(best), std::hypot(truth.sd_m(built), truth.sd_m(best))};
 }
 

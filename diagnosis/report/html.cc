@@ -207,10 +207,10 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
     misfit.line(points, s.css);
     misfit.points(points, s.css, s.shape);
   }
-  return figure(
-      profile.svg() + misfit.svg(),
-      in_print(fmt::format("{}, {}{}. Beyond the dashed lines of z: above, the simulation is too low, below, too high.",
-                           first.condition, spoken(first.quantity), first.use == Use::holdout ? " (held out)" : "")));
+  return figure(profile.svg() + misfit.svg(),
+                in_print(fmt::format(
+                    "{}, {}{}. Where z lies above the dashed lines the simulation is too low, below them too high.",
+                    first.condition, spoken(first.quantity), first.use == Use::holdout ? " (held out)" : "")));
 }
 
 std::string compared_charts(const DiagnosisReport& r) {
@@ -350,8 +350,7 @@ std::string header_html(const DiagnosisReport& r) {
   strip += stat("Simulated", fmt::format("{} runs", r.num_runs), fmt::format("{} fitted data", d.num_fitted_data));
   std::string html = fmt::format("<h1>{}</h1>\n<p class=\"lead\"><b>{}</b>{}.</p>\n", escaped(r.campaign.name),
                                  escaped(words.substr(0, colon)), in_print(words.substr(colon)));
-  if (const std::string next = next_measurement(r); !next.empty())
-    html += fmt::format("<p><b>Measure next</b> {}.</p>\n", in_print(next));
+  if (const std::string next = next_measurement(r); !next.empty()) html += fmt::format("<p>{}</p>\n", sentence(next));
   if (!r.notes.empty()) html += fmt::format("<div class=\"banner\">{}</div>\n", lines_html(r.notes));
   return html + fmt::format("<dl class=\"strip\">\n{}</dl>\n<dl class=\"strip more\">\n{}</dl>", p, strip);
 }

@@ -174,12 +174,16 @@ std::vector<std::string> misfits_in_words(const DiagnosisReport& r) {
 
 std::string next_measurement(const DiagnosisReport& r) {
   if (r.result.advice.empty()) return "";
+  constexpr double worth_while = 0.5;  // power below which nobody should be sent to measure
   const Advice& a = r.result.advice.front();
-  return fmt::format(
-      "{}: the nearest members of the set would then be {:.1f} sigma apart, so the truth would be told from its "
-      "nearest "
+  const std::string apart = fmt::format(
+      "the nearest members of the set would then be {:.1f} sigma apart, so the truth would be told from its nearest "
       "rival with a probability of {:.0f} %",
-      a.measurement, a.distance, 100 * a.power);
+      a.distance, 100 * a.power);
+  const auto separates = [&](const Advice& one) { return one.power >= worth_while; };
+  if (std::none_of(r.result.advice.begin(), r.result.advice.end(), separates))
+    return fmt::format("nothing that the campaign offers would separate them; best is {}: {}", a.measurement, apart);
+  return fmt::format("measure next {}: {}", a.measurement, apart);
 }
 
 std::string gain_in_words(const HeldOutGain& g) {

@@ -47,7 +47,7 @@ std::string describe(const DiagnosisReport& report, const Explanation& cause);
 std::string headline(const DiagnosisReport& report);
 /// What the plain model gets wrong at the bench values, in words: "simulation too low: ...", "simulation too high: ...".
 std::vector<std::string> misfits_in_words(const DiagnosisReport& report);
-/// What to measure next, empty where nothing is advised.
+/// A sentence on what to measure next, empty where the set has no two members.
 std::string next_measurement(const DiagnosisReport& report);
 
 /// The gain with its interval, and whether it is adopted.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "diagnosis/report/mass_balance.h"
+#include "postproc/contour.h"
 
 namespace drumsweep {
 namespace {
@@ -349,7 +350,7 @@ DiagnosisStep cause(const DiagnosisReport& r) {
         "{} and {} {}", effect_name(r, t.a), effect_name(r, t.b),
         t.exact ? "cannot be told apart by these data at all: where one is named, both are meant"
                 : fmt::format("are near twins: {:.1f} sigma apart where they would just be seen", t.distance)));
-  if (const std::string next = next_measurement(r); !next.empty()) step.lines.push_back("measure next " + next);
+  if (const std::string next = next_measurement(r); !next.empty()) step.lines.push_back(next);
   for (const StepTable& table : {member_table(r), advice_table(r), candidate_table(r), isolation_table(r)})
     if (!table.rows.empty()) step.tables.push_back(table);
   return step;
@@ -399,6 +400,14 @@ DiagnosisStep gain(const DiagnosisReport& r) {
   return step;
 }
 
+/// A length of metres in millimetres, with as many digits as its error gives sense to.
+std::string millimetre_text(double value_m, double sigma_m) {
+  if (!(sigma_m > 0)) return fmt::format("{:.3g}", 1000 * value_m);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(1000 * sigma_m))), 0, 6);
+  return fmt::format("{:.{}f} +- {:.{}f}", 1000 * value_m, decimals, 1000 * sigma_m, decimals);
+}
+std::string millimetre_text(const Regret& r) { return millimetre_text(r.f_m, r.sigma_m); }
+
 std::string study_name(std::size_t member) {
   return member == 0 ? "extended.toml" : fmt::format("extended_{}.toml", member + 1);
 }
@@ -415,20 +424,22 @@ DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
   const DesignChange& c = *r.change;
   const DesignChange::Member& best = c.members.front();
   step.lines.push_back(
-      fmt::format("keeping the old design costs {:.3g} +- {:.2g} m of f; the optimum has moved by {:.1f} of the joint "
+      fmt::format("keeping the old design costs {} mm of f; the optimum has moved by {:.1f} of the joint "
                   "half width of "
                   "the 95 % regions{}",
-                  best.of_old.f_m, best.of_old.sigma_m, best.spread,
+                  millimetre_text(best.of_old), best.spread,
                   best.spread < 1 ? ", which is no change that these sweeps could tell" : ""));
   if (c.members.size() > 1) {
     const Regret& worst = *std::max_element(c.regret[c.safest].begin(), c.regret[c.safest].end(),
                                             [](const Regret& a, const Regret& b) { return a.f_m < b.f_m; });
     step.lines.push_back(fmt::format(
-        "{}: the optimum of {} costs at most {:.3g} +- {:.2g} m of f, whichever of the {} members is the truth; optima "
+        "{}: the optimum of {} costs at most {} mm of f, whichever of the {} members is the truth; optima "
         "of two members lie up to {:.1f} of the joint half width apart{}",
-        c.agree() ? "the members of the set agree on the decision although these data cannot separate them"
-                  : "THE MEMBERS OF THE SET DO NOT AGREE on the decision",
-        study_name(c.safest), worst.f_m, worst.sigma_m, c.members.size(), c.apart,
+        c.agree()
+            ? "as far as these sweeps can tell, the members of the set agree on the decision, although the data cannot "
+              "separate them"
+            : "THE MEMBERS OF THE SET DO NOT AGREE on the decision",
+        study_name(c.safest), millimetre_text(worst), c.members.size(), c.apart,
         c.agree() ? "" : "; separate them first"));
   }
   if (c.members.size() < r.result.causes.size())
@@ -436,29 +447,27 @@ DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
         fmt::format("{} of {} members of the set were swept: whether all agree on the decision is not known",
                     c.members.size(), r.result.causes.size()));
   StepTable optima{"optima", "Optimum outlet", {{"study"}}, {}, "In brackets 95 % regions."};
-  for (const std::string& name : c.variables) optima.columns.push_back({name, true});
-  optima.columns.push_back({"f (m)", true});
-  optima.columns.push_back({"old design costs (m)", true});
+  for (const std::string& name : c.variables) optima.columns.push_back({axis_label(name), true});
+  optima.columns.push_back({"f (mm)", true});
+  optima.columns.push_back({"old design costs (mm)", true});
   const auto add = [&](const std::string& name, const Optimum& o, const std::string& regret) {
     optima.rows.push_back({{name}});
     for (std::size_t k = 0; k < o.at.size(); ++k)
       optima.rows.back().push_back({fmt::format("{:.4g} [{:.4g}, {:.4g}]", o.at[k], o.low[k], o.high[k])});
-    optima.rows.back().push_back({fmt::format("{:.4g} +- {:.2g}", o.f_m, o.sigma_m)});
+    optima.rows.back().push_back({millimetre_text(o.f_m, o.sigma_m)});
     optima.rows.back().push_back({regret});
   };
   add("plain", c.before, "");
   for (std::size_t i = 0; i < c.members.size(); ++i)
-    add(study_name(i), c.members[i].after,
-        fmt::format("{:.3g} +- {:.2g}", c.members[i].of_old.f_m, c.members[i].of_old.sigma_m));
+    add(study_name(i), c.members[i].after, millimetre_text(c.members[i].of_old));
   step.tables.push_back(std::move(optima));
   if (c.members.size() > 1) {
     StepTable regret{
-        "regret", "What the optimum of one costs (m of f) where another is the truth", {{"built"}}, {}, ""};
+        "regret", "What the optimum of one costs (mm of f) where another is the truth", {{"built"}}, {}, ""};
     for (std::size_t j = 0; j < c.members.size(); ++j) regret.columns.push_back({study_name(j) + " true", true});
     for (std::size_t i = 0; i < c.members.size(); ++i) {
       regret.rows.push_back({{study_name(i)}});
-      for (const Regret& one : c.regret[i])
-        regret.rows.back().push_back({fmt::format("{:.3g} +- {:.2g}", one.f_m, one.sigma_m)});
+      for (const Regret& one : c.regret[i]) regret.rows.back().push_back({millimetre_text(one)});
     }
     step.tables.push_back(std::move(regret));
   }

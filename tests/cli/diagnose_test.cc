@@ -86,7 +86,7 @@ TEST(Diagnose, sweeps_of_both_studies_say_what_keeping_the_old_design_costs) {
   const Finished both =
       drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "plain", "--after", "extended"});
   EXPECT_EQ(both.code, 0) << both.err;
-  for (const char* words : {"keeping the old design costs", "Optimum outlet", "base_width_m"})
+  for (const char* words : {"keeping the old design costs", "Optimum outlet", "base width (m)"})
     EXPECT_NE(both.out.find(words), std::string::npos) << words << both.out;
   // The one is not the other, and there is one extended study only.
   const Finished swapped =
