@@ -106,31 +106,31 @@ double row_of(std::size_t i, std::size_t num) { return static_cast<double>(num -
 
 // --- measured against simulated
 
-struct Series {
+struct MarkedSeries {
   std::string name, css, shape;
   double aside;  ///< of the middle of its row
   std::function<ExtendedValue(std::size_t)> value;
 };
 
-std::vector<Series> series_of(const DiagnosisReport& r) {
+std::vector<MarkedSeries> series_of(const DiagnosisReport& r) {
   const std::vector<DatumMisfit>& m = r.result.misfits;
-  std::vector<Series> list = {{"measured", "best", "circle", 0.27,
-                               [&r](std::size_t i) {
-                                 return ExtendedValue{r.problem.data[i].value, r.problem.data[i].sigma};
-                               }},
-                              {"simulated, parameters as the bench has them", "b open", "square", 0.09,
-                               [&m](std::size_t i) {
-                                 return ExtendedValue{m[i].simulated_before, m[i].sigma_before};
-                               }},
-                              {"recalibrated", "d", "cross", -0.09, [&m](std::size_t i) {
-                                 return ExtendedValue{m[i].simulated_after, m[i].sigma_after};
-                               }}};
+  std::vector<MarkedSeries> list = {{"measured", "best", "circle", 0.27,
+                                     [&r](std::size_t i) {
+                                       return ExtendedValue{r.problem.data[i].value, r.problem.data[i].sigma};
+                                     }},
+                                    {"simulated, parameters as the bench has them", "b open", "square", 0.09,
+                                     [&m](std::size_t i) {
+                                       return ExtendedValue{m[i].simulated_before, m[i].sigma_before};
+                                     }},
+                                    {"recalibrated", "d", "cross", -0.09, [&m](std::size_t i) {
+                                       return ExtendedValue{m[i].simulated_after, m[i].sigma_after};
+                                     }}};
   if (!r.with_cause.empty())
     list.push_back({"with the cause", "a", "diamond", -0.27, [&r](std::size_t i) { return r.with_cause[i]; }});
   return list;
 }
 
-std::string tip_of(const Series& s, const Datum& d, const ExtendedValue& v) {
+std::string tip_of(const MarkedSeries& s, const Datum& d, const ExtendedValue& v) {
   return typeset(fmt::format("{}\n{}: {:.4g} +- {:.2g} {}", spoken_name(d), s.name, v.value, v.sigma, d.unit));
 }
 
@@ -139,7 +139,8 @@ std::string label_of(const Datum& d) {
 }
 
 /// One number a condition: a row each, held-out ones below a line.
-std::string rows_chart(const DiagnosisReport& r, const std::vector<Series>& series, std::vector<std::size_t> data) {
+std::string rows_chart(const DiagnosisReport& r, const std::vector<MarkedSeries>& series,
+                       std::vector<std::size_t> data) {
   std::stable_partition(data.begin(), data.end(), [&](std::size_t i) { return r.problem.data[i].use == Use::fit; });
   std::vector<std::string> names;
   std::vector<double> values;
@@ -147,7 +148,7 @@ std::string rows_chart(const DiagnosisReport& r, const std::vector<Series>& seri
   for (const std::size_t i : data) {
     names.push_back(r.problem.data[i].condition);
     num_fit += r.problem.data[i].use == Use::fit ? 1 : 0;
-    for (const Series& s : series)
+    for (const MarkedSeries& s : series)
       for (const double sign : {-1.0, 1.0}) values.push_back(s.value(i).value + sign * s.value(i).sigma);
   }
   const std::size_t num = data.size();
@@ -155,7 +156,7 @@ std::string rows_chart(const DiagnosisReport& r, const std::vector<Series>& seri
   Chart chart(label + ", measured and simulated", axis_over(label, values),
               {"", -0.6, static_cast<double>(num) - 0.4, upwards(names)}, 480, 82 + 42 * static_cast<double>(num));
   if (num_fit > 0 && num_fit < num) chart.rule(row_of(num_fit, num) + 0.5, "", "dash");
-  for (const Series& s : series) {
+  for (const MarkedSeries& s : series) {
     std::vector<ChartPoint> points;
     for (std::size_t k = 0; k < num; ++k) {
       const ExtendedValue v = s.value(data[k]);
@@ -169,7 +170,8 @@ std::string rows_chart(const DiagnosisReport& r, const std::vector<Series>& seri
 }
 
 /// A quantity along its positions in one condition: the values, and z below.
-std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& series, std::vector<std::size_t> data) {
+std::string profile_charts(const DiagnosisReport& r, const std::vector<MarkedSeries>& series,
+                           std::vector<std::size_t> data) {
   std::sort(data.begin(), data.end(),
             [&](std::size_t a, std::size_t b) { return r.problem.data[a].position < r.problem.data[b].position; });
   const Datum& first = r.problem.data[data[0]];
@@ -177,7 +179,7 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
   for (const std::size_t i : data) {
     places.push_back(r.problem.data[i].position);
     zs.insert(zs.end(), {r.result.misfits[i].z_before, r.result.misfits[i].z_after});
-    for (const Series& s : series)
+    for (const MarkedSeries& s : series)
       for (const double sign : {-1.0, 1.0}) values.push_back(s.value(i).value + sign * s.value(i).sigma);
   }
   const ChartAxis x = axis_over(fmt::format("position ({})", first.position_unit), places);
@@ -197,7 +199,7 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
     if (!measured) profile.line(points, s->css);
     profile.points(points, s->css, s->shape, measured ? 4.2 : 3.2);
   }
-  for (const Series& s : {series[1], series[2]}) {
+  for (const MarkedSeries& s : {series[1], series[2]}) {
     std::vector<ChartPoint> points;
     for (const std::size_t i : data) {
       const double z = s.name == "recalibrated" ? r.result.misfits[i].z_after : r.result.misfits[i].z_before;
@@ -215,7 +217,7 @@ std::string profile_charts(const DiagnosisReport& r, const std::vector<Series>& 
 
 std::string compared_charts(const DiagnosisReport& r) {
   if (r.result.misfits.empty()) return "";
-  const std::vector<Series> series = series_of(r);
+  const std::vector<MarkedSeries> series = series_of(r);
   // Numbers by quantity, profiles by condition and quantity, in the order of the data.
   std::vector<std::pair<std::string, std::vector<std::size_t>>> rows, profiles;
   const auto add = [](auto& list, const std::string& key, std::size_t i) {
@@ -230,7 +232,7 @@ std::string compared_charts(const DiagnosisReport& r) {
                            : add(profiles, d.condition + "\n" + d.quantity, i);
   }
   std::vector<LegendEntry> legend;
-  for (const Series& s : series) legend.push_back({s.name, s.css, s.shape});
+  for (const MarkedSeries& s : series) legend.push_back({s.name, s.css, s.shape});
   if (!r.problem.with_use(Use::holdout).empty()) legend.push_back({"below it, held-out conditions", "dash", "line"});
   std::string charts;
   const auto add_group = [&](const auto& list, const auto& draw) {

@@ -125,8 +125,8 @@ std::string html_of(const HtmlTable& table) {
   return fmt::format(
       "<div class=\"scroll{}\" tabindex=\"0\" role=\"region\" aria-label=\"table\"><table class=\"data{}{}\">\n"
       "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
-      table.rows.size() > 30 ? " tall" : "", table.sortable ? " sortable" : "",
-      table.dense ? " dense" : "", head, body);
+      table.rows.size() > 30 ? " tall" : "", table.sortable ? " sortable" : "", table.dense ? " dense" : "", head,
+      body);
 }
 
 }  // namespace drumsweep
