@@ -52,7 +52,9 @@ void set_interval(HeldOutGain& gain) {
     squares += off * off;
     cubes += off * (off * off);
   }
-  const double s = std::sqrt(squares / (n - 1)), skewness = s > 0 ? cubes / n / (s * s * s) : 0;
+  // With Fisher's k-statistics: the plain third moment of eight numbers is a third too small.
+  const double s = std::sqrt(squares / (n - 1)),
+               skewness = s > 0 && n > 2 ? n / ((n - 1) * (n - 2)) * cubes / (s * s * s) : 0;
   const auto bound = [&](double t) {
     const double x = t / std::sqrt(n);
     if (std::abs(skewness) < 1e-6) return gain.mean - s * x;

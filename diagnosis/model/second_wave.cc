@@ -75,6 +75,13 @@ LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs
   return out;
 }
 
+double largest_shift(const LocalCorrection& correction) {
+  Eigen::VectorXd at(1 + correction.centre.x.size());
+  at[0] = 1;
+  at.tail(correction.centre.x.size()) = correction.centre.x;
+  return transposed_times(correction.coefficients, at).cwiseAbs().maxCoeff();
+}
+
 ModelEmulator corrected(ModelEmulator model, const LocalCorrection& correction) {
   const std::vector<Index> at = places(model, correction.centre);
   const Eigen::MatrixXd h = without_tangent(model, correction.centre, at);

@@ -35,6 +35,8 @@ struct LocalCorrection {
 /// Fewest runs in a box that a correction is made of.
 Eigen::Index fewest_local_runs(const LocalCentre& centre);
 LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs);
+/// How far off the emulator was at the centre: largest over the outputs, in units of their scale.
+double largest_shift(const LocalCorrection& correction);
 
 /// An emulated model with the correction put in. Its effects must include those of the correction; in what they add, nothing changes.
 ModelEmulator corrected(ModelEmulator model, const LocalCorrection& correction);

@@ -9,6 +9,7 @@
 #include "core/io/durable_file.h"
 #include "core/io/hdf5_image.h"
 #include "core/scene/scene.h"
+#include "diagnosis/campaign/second_wave.h"
 
 namespace drumsweep {
 namespace {
@@ -16,27 +17,6 @@ namespace {
 using Index = Eigen::Index;
 
 constexpr double largest_numerics = 0.3;
-
-/// Outputs scaled to what another program has simulated, where the campaign says so.
-CampaignRuns on_baseline(const Campaign& campaign, const Problem& problem, CampaignRuns runs,
-                         std::vector<std::string>& notes) {
-  const auto has_baseline = [](const Condition& c) { return !c.baseline.empty(); };
-  if (std::none_of(campaign.conditions.begin(), campaign.conditions.end(), has_baseline)) return runs;
-  const Emulator own(runs, scale_of(problem));
-  const Eigen::VectorXd plain = own.predict(Eigen::VectorXd::Zero(own.num_parameters() + own.num_effects()));
-  for (Index i = 0; i < problem.num_data(); ++i) {
-    const Datum& d = problem.data[static_cast<std::size_t>(i)];
-    for (const auto& [quantity, value] : campaign.conditions[campaign.index_of(d.condition)].baseline) {
-      if (quantity != d.quantity) continue;
-      const double here = plain[i] * own.scale()[i];
-      runs.outputs.col(i) *= value / here;
-      notes.push_back(fmt::format(
-          "{}: the campaign's baseline {:.4g} {} stands for this engine's {:.4g}; its responses are scaled with it",
-          name_of(d), value, d.unit, here));
-    }
-  }
-  return runs;
-}
 
 }  // namespace
 
@@ -47,8 +27,10 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   r.problem = make_problem(campaign, measured);
   r.num_runs = static_cast<std::size_t>(outputs.runs.outputs.rows());
   r.notes = outputs.left_out;
-  const CampaignRuns runs = on_baseline(campaign, r.problem, outputs.runs, r.notes);
-  const Emulator emulator(runs, scale_of(r.problem));
+  CampaignOutputs scaled = outputs;
+  put_on_baseline(campaign, r.problem, scaled, r.notes);
+  const Emulator emulator(scaled.runs, scale_of(r.problem));
+  for (const std::string& note : second_wave_notes(r.problem, emulator, scaled.local)) r.notes.push_back(note);
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
     r.notes.push_back(
@@ -74,7 +56,7 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   } else {
     r.notes.push_back("numerics were not checked (numerics_runs)");
   }
-  r.result = diagnose(r.problem, emulator, options);
+  r.result = diagnose(r.problem, emulator, options, scaled.local);
   if (measured.num_assumed > 0 && r.result.verdict == Verdict::established) r.result.verdict = Verdict::suspected;
   return r;
 }
