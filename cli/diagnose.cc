@@ -13,6 +13,7 @@
 #include "core/config/toml_fields.h"
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
+#include "diagnosis/campaign/second_wave.h"
 #include "diagnosis/campaign/template.h"
 #include "diagnosis/report/report.h"
 #include "sweep/farm/farm.h"
@@ -120,6 +121,9 @@ int print_plan(const Campaign& campaign, const std::string& folder) {
              campaign.num_coefficients());
   fmt::print("runs     {} of the design{} + {} for numerics (half of them about 5 times as long); {} stored\n",
              plan.num_runs, campaign.runs == 0 ? " (3 a coefficient)" : "", plan.num_numerics, plan.stored);
+  if (plan.most_local > 0)
+    fmt::print("then     up to {} runs close round what explains the data, where something is wrong (second_wave)\n",
+               plan.most_local);
   fmt::print("one run  {:.2f} s CPU, measured now\nleft     {:.2f} core-hours\n", plan.cpu_s_per_run,
              plan.cpu_s_left / 3600);
   fmt::print(
@@ -187,15 +191,18 @@ int diagnose_campaign(const Options& options) {
   match_measured(measured, campaign.measured, campaign, offered);
   Reporter reporter;
   dismissal.needed = false;
-  const TaskOutcome outcome = run_campaign(farm, campaign, folder, options.threads, reporter);
+  DiagnosisOptions how;
+  how.seed = campaign.seed;
+  how.num_bootstraps = static_cast<int>(campaign.bootstraps);
+  std::vector<LocalCentre> second_wave;
+  const TaskOutcome outcome = run_campaign(farm, campaign, folder, options.threads, reporter, [&] {
+    return second_wave = plan_second_wave(campaign, measured, read_runs(campaign, folder, measured), how);
+  });
   if (!outcome.finished) {
     fmt::print(stderr, "drumsweep: stopped early: {}; the same command goes on\n", outcome.stop_cause);
     return exit_stopped;
   }
-  DiagnosisOptions how;
-  how.seed = campaign.seed;
-  how.num_bootstraps = static_cast<int>(campaign.bootstraps);
-  DiagnosisReport report = make_report(campaign, measured, read_runs(campaign, folder, measured), how);
+  DiagnosisReport report = make_report(campaign, measured, read_runs(campaign, folder, measured, second_wave), how);
   if (!options.before.empty() || !options.after.empty()) {
     if (options.before.empty() || options.after.empty()) throw InputError("--before and --after: both are needed");
     check_swept(report, options.before, options.after);

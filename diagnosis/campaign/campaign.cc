@@ -198,11 +198,12 @@ Campaign read_campaign(const std::string& path) {
   Campaign c;
   c.path = path;
   c.folder = std::filesystem::path(path).parent_path().string();
-  in.only_keys(root, {"name", "seed", "runs", "numerics_runs", "bootstraps", "measured", "study",
+  in.only_keys(root, {"name", "seed", "runs", "second_wave", "numerics_runs", "bootstraps", "measured", "study",
                       "assumed_relative_sigma", "condition", "parameter", "candidates", "ranges"});
   if (const toml::node* n = root.get("name")) c.name = in.text(*n, "name");
   if (const toml::node* n = root.get("seed")) c.seed = in.count(*n, "seed", 0, 9007199254740992.0);
   if (const toml::node* n = root.get("runs")) c.runs = in.count(*n, "runs", 0, 1e6);
+  if (const toml::node* n = root.get("second_wave")) c.second_wave = in.count(*n, "second_wave", 0, 9999);
   if (const toml::node* n = root.get("numerics_runs")) c.numerics_runs = in.count(*n, "numerics_runs", 0, 10000);
   if (const toml::node* n = root.get("bootstraps")) c.bootstraps = in.count(*n, "bootstraps", 99, 1e6);
   if (const toml::node* n = root.get("assumed_relative_sigma")) {

@@ -10,6 +10,8 @@
 #include "core/io/durable_file.h"
 #include "core/io/hdf5_image.h"
 #include "core/scene/scene.h"
+#include "diagnosis/campaign/second_wave.h"
+#include "diagnosis/model/linear_algebra.h"
 #include "diagnosis/report/steps.h"
 
 namespace drumsweep {
@@ -17,43 +19,15 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Outputs scaled to what another program has simulated, where the campaign says so.
-CampaignRuns on_baseline(const Campaign& campaign, const Problem& problem, CampaignRuns runs,
-                         std::vector<std::string>& notes) {
-  const auto has_baseline = [](const Condition& c) { return !c.baseline.empty(); };
-  if (std::none_of(campaign.conditions.begin(), campaign.conditions.end(), has_baseline)) return runs;
-  const Emulator own(runs, scale_of(problem));
-  const Eigen::VectorXd plain = own.predict(Eigen::VectorXd::Zero(own.num_parameters() + own.num_effects()));
-  for (Index i = 0; i < problem.num_data(); ++i) {
-    const Datum& d = problem.data[static_cast<std::size_t>(i)];
-    for (const auto& [quantity, value] : campaign.conditions[campaign.index_of(d.condition)].baseline) {
-      if (quantity != d.quantity) continue;
-      const double here = plain[i] * own.scale()[i];
-      runs.outputs.col(i) *= value / here;
-      notes.push_back(fmt::format(
-          "{}: the campaign's baseline {:.4g} {} stands for this engine's {:.4g}; its responses are scaled with it",
-          name_of(d), value, d.unit, here));
-    }
-  }
-  return runs;
-}
-
 /// All data as a fitted model has them.
-std::vector<ExtendedValue> values_of(const Emulator& emulator, const ModelFit& fit) {
-  const Index num_parameters = emulator.num_parameters();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(num_parameters + emulator.num_effects());
-  std::vector<Index> used;
-  for (Index j = 0; j < num_parameters; ++j) used.push_back(j);
-  for (const int k : fit.effects) used.push_back(num_parameters + k);
-  x(used) = fit.x;
-  const Eigen::VectorXd mean = emulator.predict(x);
-  const Eigen::MatrixXd slope = (emulator.coefficients().transpose() * feature_slopes(x))(Eigen::all, used);
-  const double v = emulator.variance_factor(x);
+std::vector<ExtendedValue> values_of(const Inquiry& inquiry, const ModelFit& fit) {
+  const ModelEmulator model = inquiry.emulator_of(fit.effects);
+  const Eigen::VectorXd mean = model.predict(fit.x), &scale = inquiry.emulator.scale();
+  const Eigen::MatrixXd slope = transposed_product(model.coefficients, feature_slopes(fit.x)),
+                        spread = congruence(slope, fit.spread);
   std::vector<ExtendedValue> list;
-  for (Index i = 0; i < mean.size(); ++i) {
-    const double variance = v * emulator.noise()(i, i) + slope.row(i) * fit.spread * slope.row(i).transpose();
-    list.push_back({mean[i] * emulator.scale()[i], std::sqrt(variance) * emulator.scale()[i]});
-  }
+  for (Index i = 0; i < mean.size(); ++i)
+    list.push_back({mean[i] * scale[i], std::sqrt(fit.v * (*model.noise)(i, i) + spread(i, i)) * scale[i]});
   return list;
 }
 
@@ -88,8 +62,10 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   r.problem = make_problem(campaign, measured);
   r.num_runs = static_cast<std::size_t>(outputs.runs.outputs.rows());
   r.notes = outputs.left_out;
-  const CampaignRuns runs = on_baseline(campaign, r.problem, outputs.runs, r.notes);
-  const Emulator emulator(runs, scale_of(r.problem));
+  CampaignOutputs scaled = outputs;
+  put_on_baseline(campaign, r.problem, scaled, r.notes);
+  const Emulator emulator(scaled.runs, scale_of(r.problem));
+  for (const std::string& note : second_wave_notes(r.problem, emulator, scaled.local)) r.notes.push_back(note);
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
     r.notes.push_back(fmt::format(
@@ -114,9 +90,10 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   } else {
     r.notes.push_back("numerics were not checked (numerics_runs)");
   }
-  r.result = diagnose(r.problem, emulator, options);
+  r.result = diagnose(r.problem, emulator, options, scaled.local);
   if (measured.num_assumed > 0 && r.result.verdict == Verdict::established) r.result.verdict = Verdict::suspected;
-  if (!r.result.causes.empty()) r.with_cause = values_of(emulator, r.result.causes.front().fit);
+  if (!r.result.causes.empty())
+    r.with_cause = values_of(Inquiry(r.problem, emulator, options, scaled.local), r.result.causes.front().fit);
   rank_advice(r);
   return r;
 }

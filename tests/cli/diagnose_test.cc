@@ -22,6 +22,8 @@ TEST(Diagnose, rolling_resistance_is_found_and_its_gain_adopted) {
   EXPECT_GE(cause["high"].number, 0.1);
   EXPECT_GT(found["gain"]["low"].number, 0);
   EXPECT_EQ(found["gain"]["held_out_conditions"].list.size(), 6u);
+  // Runs were made close round what explains the data.
+  EXPECT_GT(count_files(folder / "out/second_wave", ""), 1u);
   // No observable here sees twisting.
   EXPECT_LT(found["detection_limits"].list[1]["sigma_at_end"].number, 1);
   for (const char* name :
@@ -154,6 +156,7 @@ TEST(Diagnose, template_can_be_planned_as_it_is) {
   const Finished plan = drumsweep(folder, {"diagnose", "c/campaign.toml", "--plan"});
   EXPECT_EQ(plan.code, 0) << plan.err;
   EXPECT_NE(plan.out.find("core-hours"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("then     up to 160 runs"), std::string::npos) << plan.out;
   EXPECT_EQ(drumsweep(folder, {"diagnose", "--template", "c"}).code, 2);
 }
 
