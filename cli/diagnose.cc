@@ -57,7 +57,8 @@ std::string json_of(const DiagnosisReport& r) {
                          .str());
   std::vector<std::string> conditions, notes;
   for (const std::string& c : d.gain.conditions) conditions.push_back(json_text(c));
-  for (const std::string& n : r.notes) notes.push_back(json_text(n));
+  for (const auto* list : {&r.notes, &r.second_wave})
+    for (const std::string& n : *list) notes.push_back(json_text(n));
   JsonObject gain, all;
   gain.number("mean", d.gain.mean)
       .number("low", d.gain.low)

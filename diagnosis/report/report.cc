@@ -65,7 +65,7 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   CampaignOutputs scaled = outputs;
   put_on_baseline(campaign, r.problem, scaled, r.notes);
   const Emulator emulator(scaled.runs, scale_of(r.problem));
-  for (const std::string& note : second_wave_notes(r.problem, emulator, scaled.local)) r.notes.push_back(note);
+  r.second_wave = second_wave_notes(r.problem, emulator, scaled.local);
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
     r.notes.push_back(fmt::format(
@@ -159,7 +159,7 @@ std::string next_measurement(const DiagnosisReport& r) {
       a.distance, 100 * a.power);
   const auto separates = [&](const Advice& one) { return one.power >= worth_while; };
   if (std::none_of(r.result.advice.begin(), r.result.advice.end(), separates))
-    return fmt::format("nothing that the campaign offers would separate them; best is {}: {}", a.measurement, apart);
+    return fmt::format("nothing that the campaign offers would separate them; at best ({}) {}", a.measurement, apart);
   return fmt::format("measure next {}: {}", a.measurement, apart);
 }
 

@@ -32,9 +32,10 @@ struct DiagnosisReport {
   std::vector<ExtendedValue> with_cause;  ///< one a datum, by the best member of the set; empty without one
   std::vector<double> advice_cost;        ///< of each measurement that is advised; NaN where the campaign names none
   std::vector<std::string> notes;         ///< what was left out, assumed, or is short
-  std::size_t num_runs = 0;
-  std::int64_t budget = 0;             ///< runs by the budget law
-  std::optional<DesignChange> change;  ///< where both sweeps were given
+  std::vector<std::string> second_wave;   ///< one line a box of it
+  std::size_t num_runs = 0;               ///< of the first wave
+  std::int64_t budget = 0;                ///< runs by the budget law
+  std::optional<DesignChange> change;     ///< where both sweeps were given
 };
 
 /// All in one: outputs of the campaign, the data, the diagnosis. @throws InputError

@@ -113,6 +113,7 @@ DiagnosisStep checks(const DiagnosisReport& r) {
         "conservation: no condition has measured numbers that would have to make a mass balance (holdup and residence "
         "time, outflow over feed, mean height of the bed ...)");
   say_numerics(r, step);
+  step.lines.insert(step.lines.end(), r.second_wave.begin(), r.second_wave.end());
   return step;
 }
 
