@@ -61,7 +61,7 @@ std::string inside(const std::string& folder, const std::string& name) {
 }
 
 Condition read_one(const Reader& in, const toml::table& t, const std::string& folder) {
-  in.only_keys(t, {"id", "file", "set", "group", "held_out", "baseline"});
+  in.only_keys(t, {"id", "file", "set", "group", "held_out", "baseline", "cost"});
   const std::string id = in.text(in.need(t, "id"), "id");
   std::vector<KeyChange> inputs;
   if (const toml::node* set = t.get("set")) {
@@ -80,6 +80,10 @@ Condition read_one(const Reader& in, const toml::table& t, const std::string& fo
     if (!baseline->is_table()) in.fail(*baseline, "baseline: needs to be a table of quantities and numbers");
     for (const auto& [key, node] : *baseline->as_table())
       c.baseline.emplace_back(std::string(key.str()), in.number(node, std::string(key.str())));
+  }
+  if (const toml::node* cost = t.get("cost")) {
+    c.cost = in.number(*cost, "cost");
+    if (!(c.cost > 0)) in.fail(*cost, fmt::format("cost = {}: accepted is above 0", c.cost));
   }
   if (const toml::node* held = t.get("held_out")) {
     if (!held->is_boolean()) in.fail(*held, "held_out: needs to be true or false");
@@ -194,11 +198,12 @@ Campaign read_campaign(const std::string& path) {
   Campaign c;
   c.path = path;
   c.folder = std::filesystem::path(path).parent_path().string();
-  in.only_keys(root, {"name", "seed", "runs", "numerics_runs", "bootstraps", "measured", "study",
+  in.only_keys(root, {"name", "seed", "runs", "second_wave", "numerics_runs", "bootstraps", "measured", "study",
                       "assumed_relative_sigma", "condition", "parameter", "candidates", "ranges"});
   if (const toml::node* n = root.get("name")) c.name = in.text(*n, "name");
   if (const toml::node* n = root.get("seed")) c.seed = in.count(*n, "seed", 0, 9007199254740992.0);
   if (const toml::node* n = root.get("runs")) c.runs = in.count(*n, "runs", 0, 1e6);
+  if (const toml::node* n = root.get("second_wave")) c.second_wave = in.count(*n, "second_wave", 0, 9999);
   if (const toml::node* n = root.get("numerics_runs")) c.numerics_runs = in.count(*n, "numerics_runs", 0, 10000);
   if (const toml::node* n = root.get("bootstraps")) c.bootstraps = in.count(*n, "bootstraps", 99, 1e6);
   if (const toml::node* n = root.get("assumed_relative_sigma")) {

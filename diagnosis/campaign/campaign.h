@@ -18,6 +18,7 @@ struct Campaign {
   std::string name = "campaign", path, folder;  ///< folder of the file; names in it are relative to that
   std::int64_t seed = 1;
   std::int64_t runs = 0;            ///< of the design; 0: three per coefficient
+  std::int64_t second_wave = -1;    ///< runs round each leading explanation; -1: ten a coefficient there; 0: none
   std::int64_t numerics_runs = 20;  ///< seeds with which h/2 and 4 x iterations are compared; 0: not checked
   std::int64_t bootstraps = 1000;
   std::string measured;  ///< path of the data

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <sstream>
 
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
@@ -27,6 +28,21 @@ constexpr int run_layout = 1;
 /// Seeds stay below 2^53, as everywhere.
 std::int64_t mixed(std::int64_t seed, std::uint64_t number) {
   return replicate_seed(seed, static_cast<double>(number + 1));
+}
+
+/// All numbers of a box in one line.
+std::string to_line(const LocalCentre& box) {
+  std::string out = fmt::format("{}", fmt::join(box.effects, ","));
+  for (const Eigen::VectorXd* numbers : {&box.x, &box.half_width})
+    for (const double number : *numbers) out += fmt::format(" {:.4f}", number);
+  return out;
+}
+
+/// FNV-1a (Fowler, Noll, Vo) with 64 bits.
+std::uint64_t digest(const std::string& text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
 }
 
 std::string header() {
@@ -73,6 +89,27 @@ DesignPoint design_point(const Campaign& c, std::size_t run, std::size_t num_des
       left -= static_cast<std::size_t>(num_effects - 1 - a);
     strength(a, first);
     strength(a + 1 + static_cast<Index>(left), second);
+  }
+  return out;
+}
+
+std::size_t num_local_runs(const Campaign& c, const LocalCentre& box) {
+  const Index wanted = c.second_wave >= 0 ? static_cast<Index>(c.second_wave) : 10 * (1 + box.x.size());
+  return static_cast<std::size_t>(std::max(wanted, fewest_local_runs(box)));
+}
+
+DesignPoint local_point(const Campaign& c, const LocalCentre& box, std::size_t run) {
+  // Box and campaign decide the random numbers, so that no box shares any with the design or another box.
+  const std::int64_t seed = mixed(c.seed, 2'000'000'000 + digest(to_line(box)) % 1'000'000'000);
+  const std::vector<double> at = low_discrepancy(static_cast<std::size_t>(box.x.size()), seed, run);
+  const auto num_parameters = static_cast<Index>(c.parameters.size());
+  DesignPoint out;
+  out.u = Eigen::VectorXd::Zero(num_parameters);
+  out.p = Eigen::VectorXd::Zero(static_cast<Index>(c.candidates.size()));
+  out.seed = mixed(seed, run);
+  for (Index i = 0; i < box.x.size(); ++i) {
+    const double x = box.x[i] + box.half_width[i] * (2 * at[static_cast<std::size_t>(i)] - 1);
+    (i < num_parameters ? out.u[i] : out.p[box.effects[static_cast<std::size_t>(i - num_parameters)]]) = x;
   }
   return out;
 }
@@ -141,6 +178,9 @@ RunResult unpack_run(const std::string& bytes, const Campaign& c, const std::str
 }
 
 std::string CampaignStore::run_path(std::size_t run) const { return fmt::format("{}/runs/{:06}.h5", folder, run); }
+std::string CampaignStore::local_path(const LocalCentre& box, std::size_t run) const {
+  return fmt::format("{}/second_wave/{:016x}/{:06}.h5", folder, digest(to_line(box)), run);
+}
 bool CampaignStore::has(std::size_t run) const { return fs::exists(run_path(run)); }
 
 void CampaignStore::check(const Campaign& campaign) const {
@@ -191,18 +231,91 @@ std::vector<std::size_t> wanted_runs(const Campaign& c) {
   return list;
 }
 
-Work make_work(const Campaign& campaign, int threads) {
-  return [campaign, threads](std::size_t task, const GoOn& go_on) -> std::string {
-    const std::optional<RunResult> result =
-        simulate_run(campaign, design_point(campaign, task, numerics_begin), threads, go_on);
+Work make_work(const Campaign& campaign, int threads, const std::function<DesignPoint(std::size_t)>& point) {
+  return [campaign, threads, point](std::size_t task, const GoOn& go_on) -> std::string {
+    const std::optional<RunResult> result = simulate_run(campaign, point(task), threads, go_on);
     return result ? pack_run(campaign, *result) : "";
+  };
+}
+Work first_wave(const Campaign& campaign, int threads) {
+  return make_work(campaign, threads,
+                   [campaign](std::size_t run) { return design_point(campaign, run, numerics_begin); });
+}
+
+/// Tasks of the second wave: ten thousand numbers a box.
+constexpr std::size_t local_begin = 10'000'000, box_size = 10'000;
+struct LocalTask {
+  std::size_t box, run;
+};
+LocalTask local_task(std::size_t task) { return {(task - local_begin) / box_size, (task - local_begin) % box_size}; }
+
+Work second_wave(const Campaign& campaign, int threads, const std::vector<LocalCentre>& boxes) {
+  return make_work(campaign, threads, [campaign, boxes](std::size_t task) {
+    const LocalTask at = local_task(task);
+    return local_point(campaign, boxes[at.box], at.run);
+  });
+}
+
+/// A job for the other ranks: path of the campaign, number of boxes, the boxes (none: the first wave), and what they must find there.
+std::string job_text(const Campaign& campaign, const std::vector<LocalCentre>& boxes) {
+  std::string out = fmt::format("{}\n{}\n", fs::absolute(campaign.path).string(), boxes.size());
+  for (const LocalCentre& box : boxes) {
+    out += fmt::format("{} {}", box.effects.size(), box.x.size());
+    for (const int effect : box.effects) out += fmt::format(" {}", effect);
+    for (const Eigen::VectorXd* numbers : {&box.x, &box.half_width})
+      for (const double number : *numbers) out += fmt::format(" {}", number);
+    out += '\n';
+  }
+  return out + campaign.fingerprint();
+}
+std::vector<LocalCentre> read_boxes(std::istream& in) {
+  std::size_t num_boxes = 0;
+  in >> num_boxes;
+  std::vector<LocalCentre> boxes(num_boxes);
+  for (LocalCentre& box : boxes) {
+    std::size_t num_effects = 0, dimensions = 0;
+    in >> num_effects >> dimensions;
+    box.effects.resize(num_effects);
+    box.x.resize(static_cast<Index>(dimensions));
+    box.half_width.resize(static_cast<Index>(dimensions));
+    for (int& effect : box.effects) in >> effect;
+    for (double& number : box.x) in >> number;
+    for (double& number : box.half_width) in >> number;
+  }
+  in.ignore();  // the end of the line
+  return boxes;
+}
+
+/// Whether a stored run is there and whole; a damaged one is set aside.
+bool is_stored(const std::string& path, Reporter& reporter) {
+  if (!fs::exists(path)) return false;
+  try {
+    verify_seal(read_whole_file(path), path);
+    return true;
+  } catch (const StoreError& error) {
+    reporter.warn(set_aside(path, error.what()));
+    return false;
+  }
+}
+
+/// Says now and then how far the runs are.
+std::function<void(std::size_t, std::size_t)> progress_of(Reporter& reporter, const std::size_t& before,
+                                                          const std::size_t& total) {
+  const auto begin = std::chrono::steady_clock::now();
+  return [&reporter, &before, &total, begin, said = begin](std::size_t done, std::size_t running) mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - said < std::chrono::seconds(30) || done == 0) return;
+    said = now;
+    const double per_run = std::chrono::duration<double>(now - begin).count() / static_cast<double>(done);
+    reporter.info(fmt::format("{} of {} runs, {} running, about {} left", before + done, total, running,
+                              clock_text(per_run * static_cast<double>(total - before - done))));
   };
 }
 
 }  // namespace
 
 TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads,
-                         Reporter& reporter) {
+                         Reporter& reporter, const PlanSecondWave& plan) {
   const CampaignStore store{folder};
   std::optional<OutputLock> lock;
   try {
@@ -219,44 +332,65 @@ TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string
   }
   TaskJob job;
   const std::vector<std::size_t> wanted = wanted_runs(campaign);
-  for (const std::size_t run : wanted) {
-    if (store.has(run)) try {
-        verify_seal(read_whole_file(store.run_path(run)), store.run_path(run));
-        continue;
-      } catch (const StoreError& error) {
-        reporter.warn(set_aside(store.run_path(run), error.what()));
-      }
-    job.tasks.push_back(run);
-  }
-  const std::size_t before = wanted.size() - job.tasks.size();
+  for (const std::size_t run : wanted)
+    if (!is_stored(store.run_path(run), reporter)) job.tasks.push_back(run);
+  std::size_t before = wanted.size() - job.tasks.size(), total = wanted.size();
   reporter.info(fmt::format("diagnosis \"{}\": {} runs of {} conditions, {} there already, on {} rank{}, into {}",
-                            campaign.name, wanted.size(), campaign.conditions.size(), before, farm.size(),
+                            campaign.name, total, campaign.conditions.size(), before, farm.size(),
                             farm.size() == 1 ? "" : "s", folder));
-  job.text = fs::absolute(campaign.path).string() + "\n" + campaign.fingerprint();
-  job.work = make_work(campaign, threads);
-  job.store = [&](std::size_t run, const std::string& bytes) { write_durably(store.run_path(run), bytes); };
-  const auto begin = std::chrono::steady_clock::now();
-  auto said = begin;
-  job.progress = [&](std::size_t done, std::size_t running) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - said < std::chrono::seconds(30) || done == 0) return;
-    said = now;
-    const double per_run = std::chrono::duration<double>(now - begin).count() / static_cast<double>(done);
-    reporter.info(fmt::format("{} of {} runs, {} running, about {} left", before + done, wanted.size(), running,
-                              clock_text(per_run * static_cast<double>(job.tasks.size() - done))));
+  std::vector<LocalCentre> boxes;
+  job.text = job_text(campaign, {});
+  job.work = first_wave(campaign, threads);
+  job.store = [&](std::size_t task, const std::string& bytes) {
+    const LocalTask at = local_task(task);
+    write_durably(task < local_begin ? store.run_path(task) : store.local_path(boxes[at.box], at.run), bytes);
+  };
+  job.progress = progress_of(reporter, before, total);
+  job.more = [&] {
+    boxes = plan();
+    MoreTasks more{job_text(campaign, boxes), {}, second_wave(campaign, threads, boxes)};
+    std::size_t num = 0;
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      make_folder(fs::path(store.local_path(boxes[b], 0)).parent_path().string());
+      for (std::size_t i = 0; i < num_local_runs(campaign, boxes[b]); ++i, ++num)
+        if (!is_stored(store.local_path(boxes[b], i), reporter)) more.tasks.push_back(local_begin + b * box_size + i);
+    }
+    total += num;
+    before += num - more.tasks.size();
+    if (num > 0)
+      reporter.info(fmt::format("second wave: {} runs close round {} explanations, {} there already", num, boxes.size(),
+                                num - more.tasks.size()));
+    return more;
   };
   return hand_out_tasks(farm, job);
 }
 
 void serve_campaign(Farm& farm, int threads) {
   serve_tasks(farm, [threads](const std::string& text) {
-    const std::size_t line = text.find('\n');
-    const Campaign campaign = read_campaign(text.substr(0, line));
-    if (campaign.fingerprint() != text.substr(line + 1))
+    std::istringstream in(text);
+    std::string path;
+    std::getline(in, path);
+    const std::vector<LocalCentre> boxes = read_boxes(in);
+    const Campaign campaign = read_campaign(path);
+    if (job_text(campaign, boxes) != text)
       throw std::runtime_error(campaign.path + ": is not the same here as for rank 0, or was changed meanwhile");
-    return make_work(campaign, threads);
+    return boxes.empty() ? first_wave(campaign, threads) : second_wave(campaign, threads, boxes);
   });
 }
+
+namespace {
+
+/// Round the plain model and three pairs.
+std::size_t most_local_runs(const Campaign& campaign) {
+  if (campaign.second_wave == 0) return 0;
+  const auto runs_of = [&](std::size_t num_effects) {
+    const auto dimensions = static_cast<Index>(campaign.parameters.size() + num_effects);
+    return num_local_runs(campaign, {{}, Eigen::VectorXd::Zero(dimensions), Eigen::VectorXd::Ones(dimensions)});
+  };
+  return runs_of(0) + 3 * runs_of(std::min<std::size_t>(2, campaign.candidates.size()));
+}
+
+}  // namespace
 
 CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder) {
   const CampaignStore store{folder};
@@ -264,6 +398,7 @@ CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder) 
   CampaignPlan plan;
   plan.num_runs = static_cast<std::size_t>(campaign.num_runs());
   plan.num_numerics = 2 * static_cast<std::size_t>(campaign.numerics_runs);
+  plan.most_local = most_local_runs(campaign);
   std::size_t finer = 0, plain = 0;
   for (const std::size_t run : wanted_runs(campaign)) {
     if (!folder.empty() && store.has(run))
@@ -279,31 +414,47 @@ CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder) 
   return plan;
 }
 
+namespace {
+
+/// What the data would have been in a run; `why` says what is missing.
+Eigen::VectorXd outputs_of(const Campaign& c, const RunResult& r, const DesignPoint& point,
+                           const MeasuredData& measured, std::string& why) {
+  Eigen::VectorXd y(static_cast<Index>(measured.data.size()));
+  for (Index i = 0; i < y.size(); ++i) {
+    const Datum& d = measured.data[static_cast<std::size_t>(i)];
+    const std::size_t condition = c.index_of(d.condition);
+    y[i] = read_off(r.observables[condition], d.quantity, d.position);
+    for (std::size_t k = 0; k < c.candidates.size(); ++k)
+      y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i],
+                                     c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
+    if (!std::isfinite(y[i]) && why.empty())
+      why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d))
+                                         : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
+  }
+  return y;
+}
+
+/// The numerical error's candidate: what the runs of the other kind have shown.
+void add_numerics(const Campaign& c, const DesignPoint& point, const Eigen::MatrixXd& differences, Eigen::VectorXd& y) {
+  if (differences.rows() == 0) return;
+  const Eigen::VectorXd mean = differences.colwise().mean().transpose();
+  for (std::size_t k = 0; k < c.candidates.size(); ++k)
+    if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * mean;
+}
+
+}  // namespace
+
 CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& results, std::size_t num_design_runs,
                               const MeasuredData& measured) {
   const auto q = static_cast<Index>(measured.data.size());
   CampaignOutputs out;
-  const auto outputs_of = [&](const RunResult& r, const DesignPoint& point, std::string& why) {
-    Eigen::VectorXd y(q);
-    for (Index i = 0; i < q; ++i) {
-      const Datum& d = measured.data[static_cast<std::size_t>(i)];
-      const std::size_t condition = c.index_of(d.condition);
-      y[i] = read_off(r.observables[condition], d.quantity, d.position);
-      for (std::size_t k = 0; k < c.candidates.size(); ++k)
-        y[i] = c.candidates[k].observe(d.condition, d.quantity, y[i],
-                                       c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]));
-      if (!std::isfinite(y[i]) && why.empty())
-        why = r.failure[condition].empty() ? fmt::format("no number for {}", name_of(d))
-                                           : fmt::format("condition {}: {}", d.condition, r.failure[condition]);
-    }
-    return y;
-  };
   // Numerics first: a candidate may need their mean.
   std::vector<Eigen::VectorXd> difference;
   for (std::size_t i = num_design_runs; i + 1 < results.size(); i += 2) {
     std::string why;
     const DesignPoint plain = design_point(c, numerics_begin, numerics_begin);
-    const Eigen::VectorXd coarse = outputs_of(results[i], plain, why), fine = outputs_of(results[i + 1], plain, why);
+    const Eigen::VectorXd coarse = outputs_of(c, results[i], plain, measured, why),
+                          fine = outputs_of(c, results[i + 1], plain, measured, why);
     if (why.empty())
       difference.push_back(fine - coarse);
     else
@@ -312,16 +463,13 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
   out.numerics.resize(static_cast<Index>(difference.size()), q);
   for (std::size_t i = 0; i < difference.size(); ++i)
     out.numerics.row(static_cast<Index>(i)) = difference[i].transpose();
-  Eigen::VectorXd numerics = Eigen::VectorXd::Zero(q);
-  if (!difference.empty()) numerics = out.numerics.colwise().mean().transpose();
 
   std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
   for (std::size_t i = 0; i < num_design_runs && i < results.size(); ++i) {
     std::string why;
     const DesignPoint point = design_point(c, i, numerics_begin);
-    Eigen::VectorXd y = outputs_of(results[i], point, why);
-    for (std::size_t k = 0; k < c.candidates.size(); ++k)
-      if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * numerics;
+    Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
+    add_numerics(c, point, out.numerics, y);
     out.cpu_s += results[i].cpu_s;
     if (why.empty())
       rows.emplace_back(point, std::move(y));
@@ -341,16 +489,48 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
   return out;
 }
 
-CampaignOutputs read_runs(const Campaign& c, const std::string& folder, const MeasuredData& measured) {
+void read_off_local(const Campaign& c, const LocalCentre& box, const std::vector<RunResult>& results,
+                    const MeasuredData& measured, CampaignOutputs& out) {
+  std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    std::string why;
+    const DesignPoint point = local_point(c, box, i);
+    Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
+    add_numerics(c, point, out.numerics, y);
+    out.cpu_s += results[i].cpu_s;
+    if (why.empty())
+      rows.emplace_back(point, std::move(y));
+    else
+      out.left_out.push_back(fmt::format("second wave, run {}: {}", i, why));
+  }
+  const auto num = static_cast<Index>(rows.size()), num_parameters = static_cast<Index>(c.parameters.size());
+  LocalRuns runs{box, Eigen::MatrixXd(num, box.x.size()),
+                 Eigen::MatrixXd(num, static_cast<Index>(measured.data.size()))};
+  for (Index i = 0; i < num; ++i) {
+    const auto& [point, y] = rows[static_cast<std::size_t>(i)];
+    for (Index j = 0; j < box.x.size(); ++j)
+      runs.x(i, j) =
+          j < num_parameters ? point.u[j] : point.p[box.effects[static_cast<std::size_t>(j - num_parameters)]];
+    runs.outputs.row(i) = y.transpose();
+  }
+  out.local.push_back(std::move(runs));
+}
+
+CampaignOutputs read_runs(const Campaign& c, const std::string& folder, const MeasuredData& measured,
+                          const std::vector<LocalCentre>& second_wave) {
   const CampaignStore store{folder};
+  const auto load = [&](const std::string& path) { return unpack_run(read_whole_file(path), c, path); };
   std::vector<RunResult> results;
-  const auto load = [&](std::size_t run) {
-    const std::string path = store.run_path(run);
-    results.push_back(unpack_run(read_whole_file(path), c, path));
-  };
-  for (std::size_t i = 0; i < static_cast<std::size_t>(c.num_runs()); ++i) load(i);
-  for (std::size_t i = 0; i < 2 * static_cast<std::size_t>(c.numerics_runs); ++i) load(numerics_begin + i);
-  return read_off_runs(c, results, static_cast<std::size_t>(c.num_runs()), measured);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(c.num_runs()); ++i) results.push_back(load(store.run_path(i)));
+  for (std::size_t i = 0; i < 2 * static_cast<std::size_t>(c.numerics_runs); ++i)
+    results.push_back(load(store.run_path(numerics_begin + i)));
+  CampaignOutputs out = read_off_runs(c, results, static_cast<std::size_t>(c.num_runs()), measured);
+  for (const LocalCentre& box : second_wave) {
+    results.clear();
+    for (std::size_t i = 0; i < num_local_runs(c, box); ++i) results.push_back(load(store.local_path(box, i)));
+    read_off_local(c, box, results, measured, out);
+  }
+  return out;
 }
 
 }  // namespace drumsweep

@@ -4,6 +4,8 @@
 /// in turn. Its random seed belongs to it and to the condition: noise is that of independent experiments.
 /// Runs from num_runs() on compare numerics: pairs (as is, finer) at the prior's mean without effects, both with one seed.
 ///
+/// After them may come a second wave (second_wave.h): boxes round what explains the data, each with runs of its own.
+///
 /// OUT: campaign.txt (fingerprint), runs/NNNNNN.h5 (one sealed file a run: all observables of all conditions), run.log, lock.
 #pragma once
 
@@ -11,6 +13,7 @@
 #include <optional>
 
 #include "diagnosis/campaign/campaign.h"
+#include "diagnosis/model/second_wave.h"
 #include "sweep/farm/task_farm.h"
 #include "sweep/progress.h"
 
@@ -23,6 +26,10 @@ struct DesignPoint {
 };
 /// @param num_design_runs  of the campaign; later numbers are the numerics' pairs
 DesignPoint design_point(const Campaign& campaign, std::size_t run, std::size_t num_design_runs);
+
+/// Runs of one box of the second wave, and the points of these.
+std::size_t num_local_runs(const Campaign& campaign, const LocalCentre& box);
+DesignPoint local_point(const Campaign& campaign, const LocalCentre& box, std::size_t run);
 
 /// All observables of all conditions of one run; where a condition could not be simulated, why.
 struct RunResult {
@@ -39,12 +46,14 @@ RunResult unpack_run(const std::string& bytes, const Campaign& campaign, const s
 
 struct CampaignPlan {
   std::size_t num_runs = 0, num_numerics = 0, stored = 0;
+  std::size_t most_local = 0;  ///< of the second wave, at most: how many depends on what is found
   double cpu_s_per_run = 0, cpu_s_left = 0;
 };
 
 struct CampaignStore {
   std::string folder;
   std::string run_path(std::size_t run) const;
+  std::string local_path(const LocalCentre& box, std::size_t run) const;
   /// @throws MismatchError when the folder is another campaign's, or something else
   void open(const Campaign& campaign) const;
   /// As open(), changing nothing.
@@ -52,10 +61,13 @@ struct CampaignStore {
   bool has(std::size_t run) const;
 };
 
+/// Asked once the design's runs are stored: the boxes of the second wave.
+using PlanSecondWave = std::function<std::vector<LocalCentre>()>;
+
 /// Runs what is missing. Results are the same bit for bit for any number of ranks and interruptions.
 /// @throws MismatchError, LockHeldError, WriteError
 TaskOutcome run_campaign(Farm& farm, const Campaign& campaign, const std::string& folder, int threads,
-                         Reporter& reporter);
+                         Reporter& reporter, const PlanSecondWave& second_wave);
 /// The other ranks.
 void serve_campaign(Farm& farm, int threads);
 
@@ -65,13 +77,18 @@ CampaignPlan plan_campaign(const Campaign& campaign, const std::string& folder);
 /// What the data would have been in each run.
 struct CampaignOutputs {
   CampaignRuns runs;                  ///< without the runs in which a number was missing
+  std::vector<LocalRuns> local;       ///< of the second wave, likewise
   Eigen::MatrixXd numerics;           ///< finer - as is (pairs x data)
   std::vector<std::string> left_out;  ///< why runs are not in there, one line each
   double cpu_s = 0;
 };
-CampaignOutputs read_runs(const Campaign& campaign, const std::string& folder, const MeasuredData& measured);
+CampaignOutputs read_runs(const Campaign& campaign, const std::string& folder, const MeasuredData& measured,
+                          const std::vector<LocalCentre>& second_wave = {});
 /// The same from runs in memory.
 CampaignOutputs read_off_runs(const Campaign& campaign, const std::vector<RunResult>& results,
                               std::size_t num_design_runs, const MeasuredData& measured);
+/// Adds one box of the second wave.
+void read_off_local(const Campaign& campaign, const LocalCentre& box, const std::vector<RunResult>& results,
+                    const MeasuredData& measured, CampaignOutputs& outputs);
 
 }  // namespace drumsweep

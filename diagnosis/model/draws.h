@@ -1,7 +1,7 @@
 /// Random numbers of a diagnosis: functions of (seed, purpose, index) alone, so that nothing depends on threads or order.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/config/schema.h"
+#include "diagnosis/model/linear_algebra.h"
 
 namespace drumsweep {
 namespace {
@@ -56,22 +57,29 @@ Emulator::Emulator(const CampaignRuns& runs, const Eigen::VectorXd& scale)
   Eigen::MatrixXd f(num_runs_, n);
   for (Eigen::Index i = 0; i < num_runs_; ++i) {
     Eigen::VectorXd x(dimensions);
-    x << runs.parameters.row(i).transpose(), runs.strengths.row(i).transpose();
+    x.head(num_parameters_) = runs.parameters.row(i);
+    x.tail(num_effects_) = runs.strengths.row(i);
     f.row(i) = features_of(x).transpose();
   }
-  const Eigen::MatrixXd y = runs.outputs * scale.cwiseInverse().asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> information(f.transpose() * f);
-  if (information.info() != Eigen::Success || information.rcond() < 1e-12)
+  Eigen::MatrixXd y = runs.outputs;
+  for (Eigen::Index i = 0; i < y.cols(); ++i) y.col(i) *= 1 / scale[i];
+  LeastSquares fit = least_squares(f, y);
+  if (!fit.regular)
     throw InputError(
         "the campaign's runs do not tell all parameters and candidates apart: more runs, or fewer candidates");
-  a_ = information.solve(Eigen::MatrixXd::Identity(n, n));
-  coefficients_ = information.solve(f.transpose() * y);
-  residuals_ = y - f * coefficients_;
-  noise_ = residuals_.transpose() * residuals_ / static_cast<double>(num_runs_ - n);
-  const Eigen::VectorXd diagonal = noise_.diagonal();
-  noise_ *= 1 - shrinkage;
+  a_ = std::move(fit.inverse_information);
+  coefficients_ = std::move(fit.coefficients);
+  residuals_ = y - product(f, coefficients_);
+  noise_ = std::make_shared<const Eigen::MatrixXd>(shrunk_covariance(residuals_, num_runs_ - n));
+}
+
+Eigen::MatrixXd shrunk_covariance(const Eigen::MatrixXd& residuals, Eigen::Index degrees_of_freedom) {
+  Eigen::MatrixXd out = transposed_product(residuals, residuals) / static_cast<double>(degrees_of_freedom);
+  const Eigen::VectorXd diagonal = out.diagonal();
+  out *= 1 - shrinkage;
   // An output that no random number moves (one ball on an incline) still needs a noise to be divided by.
-  noise_.diagonal() = diagonal.cwiseMax(1e-12);
+  out.diagonal() = diagonal.cwiseMax(1e-12);
+  return out;
 }
 
 std::vector<Eigen::Index> Emulator::features_of_model(const std::vector<int>& effects) const {
@@ -86,9 +94,22 @@ std::vector<Eigen::Index> Emulator::features_of_model(const std::vector<int>& ef
   return list;
 }
 
-double Emulator::variance_factor(const Eigen::VectorXd& x) const {
+ModelEmulator Emulator::of_model(const std::vector<int>& effects) const {
+  const std::vector<Eigen::Index> features = features_of_model(effects);
+  return {effects, num_parameters_, coefficients_(features, Eigen::all), a_(features, features), noise_};
+}
+
+Eigen::VectorXd ModelEmulator::predict(const Eigen::VectorXd& x) const {
+  return transposed_times(coefficients, features_of(x));
+}
+
+double ModelEmulator::variance_factor(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd f = features_of(x);
-  return f.dot(a_ * f);
+  return f.dot(times(a, f));
+}
+
+Eigen::VectorXd Emulator::predict(const Eigen::VectorXd& x) const {
+  return transposed_times(coefficients_, features_of(x));
 }
 
 Eigen::Index runs_by_budget_law(const Emulator& emulator) {

@@ -14,35 +14,35 @@ namespace drumsweep {
 /// Largest |u| that the runs cover, and a fit may use: the design reaches 2.2 bench errors.
 inline constexpr double design_reach = 2.2, fit_reach = 2.6;
 
-/// A choice of outputs in rotated coordinates.
+/// Some outputs in rotated coordinates, in which the noise of a model's emulator is diagonal.
 struct FitSpace {
   std::vector<Eigen::Index> outputs;
-  Eigen::MatrixXd to_rotated;    ///< z = to_rotated y (outputs x outputs), y in units of the scale
-  Eigen::MatrixXd to_plain;      ///< its inverse
-  Eigen::VectorXd lambda;        ///< variance of the simulation noise in each coordinate
-  Eigen::MatrixXd coefficients;  ///< of the emulator, rotated (features x outputs)
+  Eigen::MatrixXd to_rotated;  ///< z = to_rotated y (outputs x outputs), y in units of the scale
+  Eigen::MatrixXd to_plain;    ///< its inverse
+  Eigen::VectorXd lambda;      ///< variance of the simulation noise in each coordinate
 };
 
 struct FitOptions {
   bool with_simulation_noise = true;  ///< false only in tests that must fail
 };
 
-/// @param covariance  of the measurements of `outputs`, in units of the emulator's scale
-FitSpace make_fit_space(const Emulator& emulator, const std::vector<Eigen::Index>& outputs,
-                        const Eigen::MatrixXd& covariance, const FitOptions& options = {});
+/// @param noise  of the simulation (all outputs)  @param covariance  of the measurements of `outputs`; both in units of the scale
+std::shared_ptr<const FitSpace> make_fit_space(const Eigen::MatrixXd& noise, const std::vector<Eigen::Index>& outputs,
+                                               const Eigen::MatrixXd& covariance, const FitOptions& options = {});
 
 /// One model: the parameters and some effects; all others are off.
 struct SubModel {
   std::vector<int> effects;  ///< ascending
   Eigen::Index num_parameters = 0;
-  Eigen::MatrixXd coefficients;  ///< (features of the model x outputs), rotated
+  std::shared_ptr<const FitSpace> space;
+  Eigen::MatrixXd coefficients;  ///< (features of the model x outputs of the space), rotated
   Eigen::MatrixXd a;             ///< A of these features
   Eigen::VectorXd low, high;     ///< box of x
 
   Eigen::Index dimensions() const { return num_parameters + static_cast<Eigen::Index>(effects.size()); }
 };
-SubModel make_sub_model(const Emulator& emulator, const FitSpace& space, const Problem& problem,
-                        const std::vector<int>& effects);
+SubModel make_sub_model(const ModelEmulator& emulator, const std::shared_ptr<const FitSpace>& space,
+                        const Problem& problem);
 
 struct ModelFit {
   std::vector<int> effects;
@@ -55,11 +55,11 @@ struct ModelFit {
 
 /// @param z  the measurements in rotated coordinates  @param centre  c, (parameters)
 /// @param start  first guess of x
-ModelFit fit_from(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+ModelFit fit_from(const SubModel& model, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
                   const Eigen::VectorXd& start);
 /// From effects that are off and, if `thorough`, also from half strength either way; the best of them.
-ModelFit fit_model(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
-                   const Eigen::VectorXd& centre, bool thorough = false);
+ModelFit fit_model(const SubModel& model, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+                   bool thorough = false);
 
 /// Prediction of the model in rotated coordinates.
 Eigen::VectorXd predict(const SubModel& model, const Eigen::VectorXd& x);
@@ -73,7 +73,7 @@ double log_evidence(const ModelFit& fit, const SubModel& model, const Problem& p
 struct Interval {
   double low, high;
 };
-Interval profile_interval(const SubModel& model, const FitSpace& space, const Eigen::VectorXd& z,
-                          const Eigen::VectorXd& centre, const ModelFit& fit, std::size_t k);
+Interval profile_interval(const SubModel& model, const Eigen::VectorXd& z, const Eigen::VectorXd& centre,
+                          const ModelFit& fit, std::size_t k);
 
 }  // namespace drumsweep

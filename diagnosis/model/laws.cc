@@ -1,7 +1,7 @@
+#include "diagnosis/model/laws.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "diagnosis/model/verdict.h"
 
 namespace drumsweep {
 

@@ -5,7 +5,7 @@
 /// effect has a sign and in [-1, 1] where not. A curve below 1 straightens an effect that saturates.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>

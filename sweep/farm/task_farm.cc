@@ -19,16 +19,33 @@ constexpr auto patience = std::chrono::seconds(10);
 
 class TaskMaster {
  public:
-  TaskMaster(Farm& farm, const TaskJob& job) : farm_(farm), job_(job), waiting_(job.tasks.begin(), job.tasks.end()) {}
+  TaskMaster(Farm& farm, const TaskJob& job)
+      : farm_(farm), job_(job), waiting_(job.tasks.begin(), job.tasks.end()), work_(job.work) {}
 
   TaskOutcome run() {
-    farm_.send_all(Tag::study, job_.text);
+    hand_out(job_.text);
+    if (!stopping() && job_.more) ask_for_more();
+    if (stopping()) note_stop(stop_signal());
+    say_goodbye();
+    if (trouble_) std::rethrow_exception(trouble_);
+    return {cause_.empty(), cause_};
+  }
+
+ private:
+  bool stopping() const { return !cause_.empty() || trouble_ || stop_requested(); }
+  void note_stop(const std::string& cause) {
+    if (cause_.empty()) cause_ = cause.empty() ? "stopped" : cause;
+  }
+
+  /// Until all that waits is stored, or something stops it.
+  void hand_out(const std::string& text) {
+    farm_.send_all(Tag::study, text);
     for (int rank = 1; rank < farm_.size(); ++rank) give(rank);
     while (!stopping() && !waiting_.empty()) {
       const std::size_t task = waiting_.front();
       waiting_.pop_front();
       own_ = true;
-      const std::string result = job_.work(task, [this] {
+      const std::string result = work_(task, [this] {
         serve();
         return !stopping();
       });
@@ -43,16 +60,17 @@ class TaskMaster {
       serve();
       farm_.rest();
     }
-    if (stopping()) note_stop(stop_signal());
-    say_goodbye();
-    if (trouble_) std::rethrow_exception(trouble_);
-    return {cause_.empty(), cause_};
   }
 
- private:
-  bool stopping() const { return !cause_.empty() || trouble_ || stop_requested(); }
-  void note_stop(const std::string& cause) {
-    if (cause_.empty()) cause_ = cause.empty() ? "stopped" : cause;
+  void ask_for_more() {
+    try {
+      MoreTasks more = job_.more();
+      waiting_.assign(more.tasks.begin(), more.tasks.end());
+      work_ = std::move(more.work);
+      if (!waiting_.empty()) hand_out(more.text);
+    } catch (...) {
+      trouble_ = std::current_exception();  // the others must not be left waiting
+    }
   }
 
   void give(int rank) {
@@ -105,6 +123,7 @@ class TaskMaster {
   Farm& farm_;
   const TaskJob& job_;
   std::deque<std::size_t> waiting_;
+  Work work_;
   std::map<int, std::size_t> busy_;  ///< rank -> its task
   std::size_t done_ = 0;
   bool own_ = false;

@@ -22,6 +22,13 @@ struct TaskOutcome {
   std::string stop_cause;  ///< empty when finished
 };
 
+/// What only the first tasks' results show to be needed.
+struct MoreTasks {
+  std::string text;                ///< as TaskJob::text, for these
+  std::vector<std::size_t> tasks;  ///< none: there is nothing more to do
+  Work work;
+};
+
 struct TaskJob {
   std::string text;                ///< all that another rank needs to make its Work
   std::vector<std::size_t> tasks;  ///< handed out in this order
@@ -29,6 +36,8 @@ struct TaskJob {
   std::function<void(std::size_t task, const std::string& result)>
       store;  ///< durable when it returns; may throw WriteError
   std::function<void(std::size_t done, std::size_t running)> progress;  ///< called often; may be empty
+  std::function<MoreTasks()>
+      more;  ///< asked once, when all tasks are stored; may be empty. The other ranks wait meanwhile
 };
 
 /// Rank 0, which computes, too. A signal (stop.h) or an error of storing stops all in good order; what is stored stays.

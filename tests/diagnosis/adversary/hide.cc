@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <sstream>
 #include <thread>
 
 #include "diagnosis/model/draws.h"
@@ -38,6 +39,23 @@ std::string HiddenTruth::key(const Campaign& campaign) const {
   for (const auto& [id, phi] : effects) out += fmt::format("effect {} {}\n", id, phi);
   for (const KeyChange& c : outsider)
     out += fmt::format("outsider {} {} {}\n", static_cast<int>(c.how), c.key, c.value);
+  return out;
+}
+
+HiddenTruth HiddenTruth::from_key(const std::string& key) {
+  HiddenTruth out;
+  std::istringstream lines(key);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream in(line);
+    std::string word, id;
+    in >> word;
+    if (word == "case") std::getline(in >> std::ws, out.name);
+    double value = 0;
+    if (word == "effect" && in >> id >> value) out.effects.emplace_back(id, value);
+    int how = 0;
+    if (word == "outsider" && in >> how >> id >> value)
+      out.outsider.push_back({static_cast<KeyChange::How>(how), id, value});
+  }
   return out;
 }
 
@@ -143,32 +161,22 @@ std::vector<RunResult> simulate_campaign(const Campaign& campaign, int threads) 
   return results;
 }
 
-Judgement judge(const HiddenTruth& truth, const Campaign& campaign, const Diagnosis& found) {
-  const bool nothing = found.verdict == Verdict::nothing_wrong, named = !found.causes.empty();
-  if (truth.effects.empty() && truth.listed()) return nothing ? Judgement::right : Judgement::misnamed;
-  if (nothing) return Judgement::missed;
-  if (!named) return truth.listed() ? Judgement::refused : Judgement::right;
-  if (!truth.listed()) return Judgement::misnamed;
-  std::vector<int> hidden;
-  for (const auto& [id, phi] : truth.effects) hidden.push_back(static_cast<int>(index_of(campaign, id)));
-  if (!found.names(hidden)) return Judgement::misnamed;
-  return found.causes.size() == 1 ? Judgement::right : Judgement::in_set;
+void simulate_second_wave(const Campaign& campaign, const std::vector<LocalCentre>& boxes, const MeasuredData& measured,
+                          int threads, CampaignOutputs& outputs) {
+  for (const LocalCentre& box : boxes) {
+    std::vector<RunResult> results(num_local_runs(campaign, box));
+    in_threads(threads, results.size(), [&](std::size_t i) {
+      results[i] = *simulate_run(campaign, local_point(campaign, box, i), 1, [] { return true; });
+    });
+    read_off_local(campaign, box, results, measured, outputs);
+  }
 }
 
-const char* to_text(Judgement judgement) {
-  switch (judgement) {
-    case Judgement::right:
-      return "right";
-    case Judgement::in_set:
-      return "in the set";
-    case Judgement::misnamed:
-      return "MISNAMED";
-    case Judgement::refused:
-      return "refused";
-    case Judgement::missed:
-      break;
-  }
-  return "missed";
+MeasuredData wanted_of(const Campaign& campaign) {
+  MeasuredData wanted = read_measured(campaign);
+  const auto one = simulate_run(campaign, design_point(campaign, 0, 1), 1, [] { return true; });
+  match_measured(wanted, campaign.measured, campaign, one->observables);
+  return wanted;
 }
 
 }  // namespace drumsweep

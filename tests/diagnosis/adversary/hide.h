@@ -21,22 +21,24 @@ struct HiddenTruth {
   std::int64_t seed = 1;
 
   bool listed() const { return outsider.empty(); }
-  std::string key(const Campaign& campaign) const;  ///< as text, for the seal
+  std::string key(const Campaign& campaign) const;      ///< as text, for the seal
+  static HiddenTruth from_key(const std::string& key);  ///< without the parameters
 };
 
 /// The rows of `wanted` with values: simulated, averaged, and with the measurement's error.
 MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted, HiddenTruth& truth, int threads);
 std::string measured_csv(const MeasuredData& measured);
 
+/// The campaign's rows, without values.
+MeasuredData wanted_of(const Campaign& campaign);
+
 /// A case from entropy: an effect, none, a pair or an outsider, strength and parameters.
 HiddenTruth draw_truth(const Campaign& campaign, const std::string& kind, std::int64_t seed);
 
 /// Runs a campaign in this process.
 std::vector<RunResult> simulate_campaign(const Campaign& campaign, int threads);
-
-/// What a verdict is worth once the seal is open.
-enum class Judgement { right, in_set, misnamed, refused, missed };
-Judgement judge(const HiddenTruth& truth, const Campaign& campaign, const Diagnosis& found);
-const char* to_text(Judgement judgement);
+/// Runs what a second wave needs, and adds it to the outputs.
+void simulate_second_wave(const Campaign& campaign, const std::vector<LocalCentre>& boxes, const MeasuredData& measured,
+                          int threads, CampaignOutputs& outputs);
 
 }  // namespace drumsweep

@@ -8,18 +8,20 @@
 
 #include "core/io/durable_file.h"
 #include "diagnosis/adversary/hide.h"
-#include "diagnosis/adversary/sha256.h"
+#include "diagnosis/adversary/seal.h"
 #include "diagnosis/adversary/tier_a.h"
+#include "diagnosis/campaign/second_wave.h"
 #include "diagnosis/report/report.h"
 
 namespace drumsweep {
 namespace {
 
 struct HideOptions {
-  std::string campaign, folder, kind = "random";
+  std::string campaign, folder, kind = "random", data, keys, verdicts;
   std::vector<std::string> effects, outsiders;
   std::int64_t seed = -1;
   int repeats = 10, threads = 2, cases = 12;
+  std::int64_t second_wave = 0;
   bool smooth = false;
 };
 
@@ -36,73 +38,101 @@ std::pair<std::string, double> assignment(const std::string& text) {
   return {text.substr(0, at), std::stod(text.substr(at + 1))};
 }
 
-MeasuredData wanted_of(const Campaign& campaign) {
-  MeasuredData wanted = read_measured(campaign);
-  const auto one = simulate_run(campaign, design_point(campaign, 0, 1), 1, [] { return true; });
-  match_measured(wanted, campaign.measured, campaign, one->observables);
-  return wanted;
-}
-
-void hide(const HideOptions& o) {
-  const Campaign campaign = read_campaign(o.campaign);
-  const std::int64_t seed = seed_or_entropy(o.seed);
-  std::string kind = o.kind;
-  if (kind == "random")
-    kind = std::vector<std::string>{"none", "single", "single", "pair", "outsider"}[static_cast<std::size_t>(seed % 5)];
-  HiddenTruth truth = o.effects.empty() && o.outsiders.empty() ? draw_truth(campaign, kind, seed) : HiddenTruth{};
+/// The truth of one case: what was asked for, or drawn.
+HiddenTruth truth_of(const HideOptions& o, const Campaign& campaign, int number) {
+  const std::int64_t seed = o.seed >= 0 ? o.seed + number : seed_or_entropy(-1);
+  const char* kinds[] = {"none", "single", "single", "pair", "outsider", "single"};
+  HiddenTruth truth;
+  if (o.effects.empty() && o.outsiders.empty())
+    truth = draw_truth(campaign, o.kind == "random" ? kinds[number % 6] : o.kind, seed);
   truth.seed = seed;
   truth.repeats = o.repeats;
   truth.smooth = o.smooth;
   for (const std::string& e : o.effects) truth.effects.push_back(assignment(e));
   for (const std::string& e : o.outsiders)
     truth.outsider.push_back({KeyChange::How::set, assignment(e).first, assignment(e).second});
-  const MeasuredData measured = measure_hidden(campaign, wanted_of(campaign), truth, o.threads);
-  const std::string key = truth.key(campaign);
-  std::filesystem::create_directories(o.folder);
-  write_durably(o.folder + "/measured.csv", measured_csv(measured));
-  write_durably(o.folder + "/commitment.txt", sha256(key) + "\n");
-  write_durably(o.folder + "/key.txt", key);
-  fmt::print("{}/measured.csv; the key in key.txt is sealed by SHA-256 {}\n", o.folder, sha256(key));
+  return truth;
 }
 
-/// Many cases against one finished campaign folder: the confusion matrix in counts.
-void tier_b(const HideOptions& o) {
+std::string case_name(int number) { return fmt::format("{:03}", number); }
+
+void hide(const HideOptions& o) {
   const Campaign campaign = read_campaign(o.campaign);
   const MeasuredData wanted = wanted_of(campaign);
-  const CampaignOutputs outputs = read_runs(campaign, o.folder, wanted);
-  std::map<std::pair<std::string, std::string>, int> matrix;
-  Count false_alarm, strength, gain;
   for (int i = 0; i < o.cases; ++i) {
-    const std::int64_t seed = o.seed >= 0 ? o.seed + i : seed_or_entropy(-1);
-    const char* kinds[] = {"none", "single", "single", "pair", "outsider", "single"};
-    HiddenTruth truth = draw_truth(campaign, o.kind == "random" ? kinds[i % 6] : o.kind, seed);
-    truth.repeats = o.repeats;
-    truth.smooth = o.smooth;
+    if (std::filesystem::exists(o.keys + "/" + case_name(i) + ".txt")) continue;  // hidden before an interruption
+    HiddenTruth truth = truth_of(o, campaign, i);
     const MeasuredData measured = measure_hidden(campaign, wanted, truth, o.threads);
-    const std::string commitment = sha256(truth.key(campaign));
+    seal_case(o.data, o.keys, case_name(i), measured, truth.key(campaign));
+  }
+  fmt::print("{} cases in {}; their keys in {} are for `score` only\n", o.cases, o.data, o.keys);
+}
+
+/// Knows the data and nothing of the keys.
+void say(const HideOptions& o) {
+  Campaign campaign = read_campaign(o.campaign);
+  campaign.second_wave = o.second_wave;
+  const MeasuredData wanted = wanted_of(campaign);
+  const CampaignOutputs first = read_runs(campaign, o.folder, wanted);
+  std::filesystem::create_directories(o.verdicts);
+  for (int i = 0; i < o.cases; ++i) {
+    const std::string path = fmt::format("{}/{}.txt", o.verdicts, case_name(i));
+    if (std::filesystem::exists(path)) continue;
+    campaign.measured = fmt::format("{}/{}/measured.csv", o.data, case_name(i));
+    MeasuredData measured = read_measured(campaign);
+    for (std::size_t k = 0; k < measured.data.size(); ++k) {
+      const double value = measured.data[k].value;
+      measured.data[k] = wanted.data[k];
+      measured.data[k].value = value;
+    }
     DiagnosisOptions how;
     how.seed = campaign.seed;
+    how.details = false;
+    CampaignOutputs outputs = first;
+    simulate_second_wave(campaign, plan_second_wave(campaign, measured, first, how), measured, o.threads, outputs);
     const DiagnosisReport report = make_report(campaign, measured, outputs, how);
-    // The verdict is there; now the seal.
-    const Judgement judgement = judge(truth, campaign, report.result);
-    std::string hidden = truth.name;
-    for (const auto& [id, phi] : truth.effects) hidden += fmt::format(" {}={:.3g}", id, phi);
-    for (const KeyChange& c : truth.outsider) hidden += fmt::format(" {}={:.3g}", c.key, c.value);
-    fmt::print("{} {:.12} {:<60} {:<11} {}\n", seed, commitment, hidden, to_text(judgement), headline(report));
-    ++matrix[{truth.name, to_text(judgement)}];
-    if (truth.name == "none") false_alarm.add(judgement != Judgement::right);
-    for (const Explanation& e : report.result.causes)
-      for (const NamedEffect& n : e.effects)
-        for (const auto& [id, phi] : truth.effects)
-          if (campaign.candidates[static_cast<std::size_t>(n.effect)].effect.id == id &&
-              e.effects.size() == truth.effects.size())
-            strength.add(phi >= n.low && phi <= n.high);
-    if (!report.result.causes.empty() && truth.listed()) gain.add(report.result.gain.adopted);
+    write_durably(path, to_text(statement_of(report.problem, report.result)));
+  }
+}
+
+/// The confusion matrix in counts.
+void score(const HideOptions& o) {
+  std::map<std::pair<std::string, std::string>, int> matrix;
+  Count false_alarm, strength, gain, null_gain;
+  double sum_off = 0, num_off = 0;
+  for (const OpenedCase& c : open_seal(o.data, o.keys, o.verdicts)) {
+    const Judgement judgement = judge(c.truth, c.said);
+    std::string hidden = c.truth.name, said = fmt::format("{} p = {:.2g}", c.said.verdict, c.said.p_value);
+    for (const auto& [id, phi] : c.truth.effects) hidden += fmt::format(" {}={:.3g}", id, phi);
+    for (const KeyChange& k : c.truth.outsider) hidden += fmt::format(" {}={:.3g}", k.key, k.value);
+    for (const auto& cause : c.said.causes) {
+      for (const Statement::Named& n : cause) {
+        said += fmt::format(" {} {:.3g} [{:.3g}, {:.3g}]", n.id, n.strength, n.low, n.high);
+        for (const auto& [id, phi] : c.truth.effects) {
+          if (id != n.id || cause.size() != c.truth.effects.size()) continue;
+          strength.add(phi >= n.low && phi <= n.high);
+          sum_off += (n.strength - phi) / phi;
+          ++num_off;
+        }
+      }
+      said += " |";
+    }
+    fmt::print("{} {:<60} {:<11} {}\n", c.name, hidden, to_text(judgement), said);
+    ++matrix[{c.truth.name, to_text(judgement)}];
+    if (c.truth.name == "none") {
+      false_alarm.add(judgement != Judgement::right);
+      null_gain.add(c.said.gain_adopted);
+    } else if (c.truth.listed() && !c.said.causes.empty()) {
+      gain.add(c.said.gain_adopted);
+    }
   }
   fmt::print("\n");
   for (const auto& [cell, count] : matrix) fmt::print("{:<10} {:<12} {}\n", cell.first, cell.second, count);
-  fmt::print("false alarms {} of {}; strength inside its interval {} of {}; gain adopted {} of {}\n", false_alarm.yes,
-             false_alarm.of, strength.yes, strength.of, gain.yes, gain.of);
+  fmt::print(
+      "false alarms {} of {}; strength inside its interval {} of {}, mean error {:+.0f} %; gain adopted {} of {}, on "
+      "null data {} of {}\n",
+      false_alarm.yes, false_alarm.of, strength.yes, strength.of, 100 * sum_off / std::max(1.0, num_off), gain.yes,
+      gain.of, null_gain.yes, null_gain.of);
 }
 
 }  // namespace
@@ -125,28 +155,55 @@ int main(int argc, char** argv) {
   });
 
   HideOptions h;
-  const auto common = [&](CLI::App* command) {
+  const auto campaign_of = [&](CLI::App* command) {
     command->add_option("CAMPAIGN", h.campaign, "campaign file; its measured.csv says what is measured, and how well")
         ->required();
+    command->add_option("--cases", h.cases, "how many")->capture_default_str();
+    command->add_option("--threads", h.threads, "side by side")->capture_default_str();
+  };
+  const auto truth_of_all = [&](CLI::App* command) {
     command->add_option("--case", h.kind, "none | single | pair | outsider | random, or a candidate's id")
         ->capture_default_str();
-    command->add_option("--seed", h.seed, "of the truth; left out: from entropy");
+    command->add_option("--seed", h.seed, "of the first truth; left out: from entropy");
     command->add_option("--repeats", h.repeats, "seeds over which the truth is averaged")->capture_default_str();
-    command->add_option("--threads", h.threads, "side by side")->capture_default_str();
     command->add_flag("--smooth", h.smooth, "truth from the smooth reference stepper");
+    command->add_option("--effect", h.effects, "ID=STRENGTH instead of a drawn case; repeatable");
+    command->add_option("--outsider", h.outsiders, "KEY=VALUE that is set in all conditions; repeatable");
   };
-  CLI::App* hides = app.add_subcommand("hide", "Draws a truth and writes measured.csv, the sealed key and its SHA-256");
-  common(hides);
-  hides->add_option("--effect", h.effects, "ID=STRENGTH instead of a drawn case; repeatable");
-  hides->add_option("--outsider", h.outsiders, "KEY=VALUE that is set in all conditions; repeatable");
-  hides->add_option("-o,--output", h.folder, "folder")->required();
+  const auto runs_of = [&](CLI::App* command) {
+    command->add_option("--runs", h.folder, "output folder of `drumsweep diagnose CAMPAIGN`")->required();
+    command->add_option("--second-wave", h.second_wave, "runs round each explanation, as in a campaign file")
+        ->capture_default_str();
+  };
+  const auto folders = [&](CLI::App* command, bool keys, bool verdicts) {
+    command->add_option("--data", h.data, "folder of the hidden cases' data")->required();
+    if (keys) command->add_option("--keys", h.keys, "folder of their keys")->required();
+    if (verdicts) command->add_option("--verdicts", h.verdicts, "folder of what was said")->required();
+  };
+  CLI::App* hides =
+      app.add_subcommand("hide", "Draws truths: data with the SHA-256 of their keys here, the keys there");
+  campaign_of(hides);
+  truth_of_all(hides);
+  folders(hides, true, false);
   hides->callback([&] { hide(h); });
-  CLI::App* b = app.add_subcommand(
-      "tier-b", "Hides cases from a finished campaign, one after the other: confusion matrix in counts");
-  common(b);
-  b->add_option("--runs", h.folder, "output folder of `drumsweep diagnose CAMPAIGN`")->required();
-  b->add_option("--cases", h.cases, "how many")->capture_default_str();
-  b->callback([&] { tier_b(h); });
+  CLI::App* says = app.add_subcommand("say", "Diagnoses hidden cases; has no access to the keys");
+  campaign_of(says);
+  runs_of(says);
+  folders(says, false, true);
+  says->callback([&] { say(h); });
+  CLI::App* scores = app.add_subcommand("score", "Opens the seal, once every case has its verdict: confusion matrix");
+  folders(scores, true, true);
+  scores->callback([&] { score(h); });
+  CLI::App* b = app.add_subcommand("tier-b", "hide, say and score against a finished campaign, in one go");
+  campaign_of(b);
+  truth_of_all(b);
+  runs_of(b);
+  folders(b, true, true);
+  b->callback([&] {
+    hide(h);
+    say(h);
+    score(h);
+  });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "diagnosis/model/draws.h"
+#include "diagnosis/model/linear_algebra.h"
 
 namespace drumsweep {
 namespace {
@@ -134,7 +135,7 @@ Eigen::MatrixXd information(const SyntheticMachine& m, const Eigen::VectorXd& u)
   const Eigen::MatrixXd j = (m.truth.transpose() * feature_slopes(x).leftCols(num_parameters)).topRows(num_fitted);
   // Measurement 1, simulation noise through the emulator about v = 0.1.
   const Eigen::MatrixXd s = 1.1 * Eigen::MatrixXd::Identity(num_fitted, num_fitted) + j * j.transpose();
-  return s.inverse();
+  return inverse_symmetric(s);
 }
 
 }  // namespace
@@ -316,9 +317,9 @@ TierAScore run_tier_a(const TierAOptions& options) {
                                       hidden.strengths[k] <= e.effects[k].high + 1e-9);
         }
         if (!found.causes.empty() && kind == Hidden::single) {
-          const HeldOutGain all =
-              held_out_gain(hidden.population, emulator, found.plain, found.causes.front().fit, how);
-          score.gain_covers.add(all.mean >= found.gain.low && all.mean <= found.gain.high);
+          const HeldOutGain of_all =
+              held_out_gain(Inquiry(hidden.population, emulator, how), found.plain, found.causes.front().fit);
+          score.gain_covers.add(of_all.mean >= found.gain.low && of_all.mean <= found.gain.high);
         }
       }
     };
@@ -364,56 +365,60 @@ TierAScore run_tier_a(const TierAOptions& options) {
   return score;
 }
 
+namespace {
+
+/// What the method asks of a rate.
+struct Gate {
+  const char* what;
+  Count TierAScore::*count;
+  double least, most;
+};
+constexpr double all = 1 - 1e-9, none = 1e-9;
+const Gate gates[] = {
+    {"false alarms", &TierAScore::false_alarm, 0, 0.05},
+    {"d >= 5, D >= 5: uniquely right", &TierAScore::clear_right, 0.95, 1},
+    {"d >= 5, D >= 5: misnamed", &TierAScore::clear_misnamed, 0, 0.01},
+    {"d in [4, 5): truth in the set", &TierAScore::weak_in_set, 0.85, 1},
+    {"pairs, 6 sigma from any single: in the set", &TierAScore::pair_in_set, 0.95, 1},
+    {"outsiders d in [6, 8): named", &TierAScore::outsider_named, 0, 0.05},
+    {"outsiders d >= 8: named", &TierAScore::outsider_named_8, 0, 0.01},
+    {"impostors (held-out data differ): named", &TierAScore::impostor_named, 0, 0.05},
+    {"exact twins: both named", &TierAScore::exact_both, all, 1},
+    {"exact twins: one without the other", &TierAScore::exact_apart, 0, none},
+    {"near twins: misnamed", &TierAScore::near_misnamed, 0, 0.025},
+    {"near twins: resolved by the advised measurement", &TierAScore::near_resolved, 0.95, 1},
+    {"gain interval covers", &TierAScore::gain_covers, 0.90, 0.98},
+    {"strength interval covers", &TierAScore::strength_covers, 0.92, 0.97},
+    {"null data: a gain adopted", &TierAScore::control_gain, 0, 0.025},
+};
+
+std::string accepted(const Gate& gate) {
+  if (gate.most == none) return "0";
+  if (gate.least > 0 && gate.most < 1) return fmt::format("{:.3g}-{:.3g} %", 100 * gate.least, 100 * gate.most);
+  return gate.least > 0 ? fmt::format(">= {:.3g} %", 100 * gate.least) : fmt::format("<= {:.3g} %", 100 * gate.most);
+}
+
+}  // namespace
+
 std::vector<std::string> TierAScore::missed() const {
   std::vector<std::string> out;
-  const auto above = [&](const char* what, const Count& c, double most) {
-    if (c.of > 0 && binomial_at_least(c.yes, c.of, most) < 0.01)
-      out.push_back(fmt::format("{}: {} of {}, accepted is up to {:.3g} %", what, c.yes, c.of, 100 * most));
-  };
-  const auto below = [&](const char* what, const Count& c, double least) {
-    if (c.of > 0 && binomial_at_most(c.yes, c.of, least) < 0.01)
-      out.push_back(fmt::format("{}: {} of {}, accepted is {:.3g} % and more", what, c.yes, c.of, 100 * least));
-  };
-  above("false alarms", false_alarm, 0.05);
-  below("d >= 5, D >= 5: uniquely right", clear_right, 0.95);
-  above("d >= 5, D >= 5: misnamed", clear_misnamed, 0.01);
-  below("d in [4, 5): truth in the set", weak_in_set, 0.85);
-  below("pairs, 6 sigma from any single: in the set", pair_in_set, 0.95);
-  above("outsiders d in [6, 8): named", outsider_named, 0.05);
-  above("outsiders d >= 8: named", outsider_named_8, 0.01);
-  above("exact twins: one without the other", exact_apart, 1e-9);
-  above("impostors: named", impostor_named, 0.05);
-  below("exact twins: both named", exact_both, 1 - 1e-9);
-  above("near twins: misnamed", near_misnamed, 0.025);
-  below("near twins: resolved by the advised measurement", near_resolved, 0.95);
-  below("gain interval covers", gain_covers, 0.90);
-  above("gain interval covers", gain_covers, 0.98);
-  below("strength interval covers", strength_covers, 0.92);
-  above("strength interval covers", strength_covers, 0.97);
-  above("null data: a gain adopted", control_gain, 0.025);
+  for (const Gate& gate : gates) {
+    const Count& c = this->*gate.count;
+    const bool too_few = gate.least > 0 && binomial_at_most(c.yes, c.of, gate.least) < 0.01,
+               too_many = gate.most < 1 && binomial_at_least(c.yes, c.of, gate.most) < 0.01;
+    if (c.of > 0 && (too_few || too_many))
+      out.push_back(fmt::format("{}: {} of {}, accepted is {}", gate.what, c.yes, c.of, accepted(gate)));
+  }
   return out;
 }
 
 std::string TierAScore::table() const {
   std::string out;
-  const auto line = [&](const char* what, const Count& c, const char* gate) {
-    out += fmt::format("{:<52}{:>6} of {:<6} {:>6.1f} %   {}\n", what, c.yes, c.of, 100 * c.rate(), gate);
-  };
-  line("false alarms", false_alarm, "<= 5 %");
-  line("d >= 5, D >= 5: uniquely right", clear_right, ">= 95 %");
-  line("d >= 5, D >= 5: misnamed", clear_misnamed, "<= 1 %");
-  line("d in [4, 5): truth in the set", weak_in_set, ">= 85 %");
-  line("pairs, 6 sigma from any single: in the set", pair_in_set, ">= 95 %");
-  line("outsiders d in [6, 8): named", outsider_named, "<= 5 %");
-  line("outsiders d >= 8: named", outsider_named_8, "<= 1 %");
-  line("impostors (held-out data differ): named", impostor_named, "<= 5 %");
-  line("exact twins: both named", exact_both, "100 %");
-  line("exact twins: one without the other", exact_apart, "0");
-  line("near twins: misnamed", near_misnamed, "<= 2.5 %");
-  line("near twins: resolved by the advised measurement", near_resolved, ">= 95 %");
-  line("gain interval covers", gain_covers, "90-98 %");
-  line("strength interval covers", strength_covers, "92-97 %");
-  line("null data: a gain adopted", control_gain, "about 0");
+  for (const Gate& gate : gates) {
+    const Count& c = this->*gate.count;
+    out +=
+        fmt::format("{:<52}{:>6} of {:<6} {:>6.1f} %   {}\n", gate.what, c.yes, c.of, 100 * c.rate(), accepted(gate));
+  }
   out += "\nhidden \\ verdict   unique right  set with it  set without  none of these  nothing wrong\n";
   for (Eigen::Index r = 0; r < confusion.rows(); ++r) {
     out += fmt::format("{:<19}", r < 8 ? fmt::format("effect_{}", r) : r == 8 ? "nothing" : "outsider");

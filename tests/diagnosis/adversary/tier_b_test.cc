@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel/parallel_for.h"
-#include "diagnosis/adversary/hide.h"
+#include "diagnosis/adversary/seal.h"
 #include "diagnosis/adversary/sha256.h"
 #include "diagnosis/report/report.h"
 
@@ -16,10 +16,12 @@ TEST(TierBVerify, hidden_causes_are_found) {
 #endif
   const int threads = std::max(1, available_threads());
   Campaign campaign = read_campaign(DRUMSWEEP_SOURCE_DIR "/schedules/campaign/campaign.toml");
-  campaign.runs = 110;
+  campaign.runs = 56;
   campaign.numerics_runs = 0;
-  // Naming needs fewer held-out conditions than proving a gain does.
-  const std::vector<std::string> spared = {"drum_3", "drum_full", "slot_wider"};
+  // Two thirds of the shipped campaign's coefficients and of its conditions: naming needs fewer held-out ones than proving a gain does.
+  std::erase_if(campaign.candidates,
+                [](const Candidate& c) { return c.effect.id == "inclination" || c.effect.id == "drum_speed"; });
+  const std::vector<std::string> spared = {"drum_3", "drum_full", "slot_wider", "one_ball_on_an_incline"};
   const auto is_spared = [&](const std::string& id) {
     return std::find(spared.begin(), spared.end(), id) != spared.end();
   };
@@ -48,12 +50,11 @@ TEST(TierBVerify, hidden_causes_are_found) {
     t.name = name;
     t.effects = std::move(effects);
     t.seed = seed;
-    t.repeats = 5;
+    t.repeats = 3;
     return t;
   };
   std::vector<Case> cases = {
       {truth("nothing", {}, 101), ""},
-      {truth("nothing again", {}, 102), ""},
       {truth("rolling", {{"rolling_resistance", 0.06}}, 103), ""},
       {truth("coating", {{"outlet_coating", 0.0045}}, 104), ""},
       {truth("cohesion", {{"cohesion", 0.03}}, 105), ""},
@@ -62,9 +63,9 @@ TEST(TierBVerify, hidden_causes_are_found) {
       {truth("wall friction, which is on no list", {}, 108), ""},
       {truth("rolling, from the smooth stepper", {{"rolling_resistance", 0.06}}, 109), ""},
   };
-  cases[7].truth.outsider = {{KeyChange::How::below, "material.wall_friction", 0.8, "material.friction"}};
-  cases[8].truth.smooth = true;
-  cases[8].truth.repeats = 2;
+  cases[6].truth.outsider = {{KeyChange::How::below, "material.wall_friction", 0.8, "material.friction"}};
+  cases[7].truth.smooth = true;
+  cases[7].truth.repeats = 2;
   int right = 0, misnamed = 0;
   std::string table;
   for (Case& c : cases) {
@@ -79,7 +80,7 @@ TEST(TierBVerify, hidden_causes_are_found) {
     const Diagnosis found = diagnose(problem, emulator, how);
     // The verdict is there; now the seal is opened.
     ASSERT_EQ(commitment, sha256(c.truth.key(campaign)));
-    Judgement judgement = judge(c.truth, campaign, found);
+    Judgement judgement = judge(c.truth, statement_of(problem, found));
     if (!c.unlisted.empty())
       judgement =
           found.causes.empty() && found.verdict != Verdict::nothing_wrong ? Judgement::right : Judgement::misnamed;

@@ -20,6 +20,21 @@ TEST(TaskFarm, one_rank_does_every_task_once) {
   EXPECT_EQ(stored, (std::map<std::size_t, std::string>{{1, "1"}, {4, "16"}, {9, "81"}}));
 }
 
+TEST(TaskFarm, more_tasks_may_follow_from_the_first_results) {
+  Farm farm;
+  std::map<std::size_t, std::string> stored;
+  TaskJob job;
+  job.tasks = {1, 2};
+  job.work = [](std::size_t task, const GoOn&) { return std::to_string(task); };
+  job.store = [&](std::size_t task, const std::string& result) { stored[task] = result; };
+  job.more = [&]() -> MoreTasks {
+    EXPECT_EQ(stored.size(), 2u);
+    return {"", {7}, [](std::size_t task, const GoOn&) { return "more " + std::to_string(task); }};
+  };
+  EXPECT_TRUE(hand_out_tasks(farm, job).finished);
+  EXPECT_EQ(stored, (std::map<std::size_t, std::string>{{1, "1"}, {2, "2"}, {7, "more 7"}}));
+}
+
 TEST(TaskFarm, what_cannot_be_stored_stops_it) {
   Farm farm;
   TaskJob job;
