@@ -43,7 +43,12 @@ void Agenda::take_stock(bool steady, const GoOn& go_on) {
   known_.confirm(recordings_, study_, plan(), steady_);
   // What is stored may let searches ask for more, which may be stored too.
   stocked_ = look_up_new_designs(go_on);
-  while (stocked_ && pending_.empty() && extend_plan()) stocked_ = look_up_new_designs(go_on);
+  bool grown = false;
+  while (stocked_ && pending_.empty() && extend_plan()) {
+    stocked_ = look_up_new_designs(go_on);
+    grown = true;
+  }
+  if (stocked_ && grown && !pending_.empty()) publish_plan();
   if (const std::size_t stored = num_rows_; stored > 0)
     reporter_.info(fmt::format("{} of {} designs are there already", stored, plan().designs.size()));
 }
@@ -54,9 +59,12 @@ bool Agenda::refill(const GoOn& go_on) {
     going_on = look_up_new_designs(go_on);
     grown = true;
   }
-  if (grown) replace(paths().findings(), to_toml(plan(), std::nullopt));  // for `status`
+  if (grown) publish_plan();
   return grown;
 }
+
+/// For whoever looks at the folder meanwhile: which designs searches have asked for.
+void Agenda::publish_plan() const { replace(paths().findings(), to_toml(plan(), std::nullopt)); }
 
 RowOf Agenda::row_of() const {
   return [this](const PlannedDesign& design) {

@@ -74,6 +74,7 @@ class Agenda {
 
  private:
   bool extend_plan();
+  void publish_plan() const;
   bool look_up_new_designs(const GoOn& go_on);
   void set_row(std::size_t i, ResultRow row);
   bool load_row(std::size_t i);

@@ -233,6 +233,28 @@ max_evaluations = 4
 )");
 }
 
+TEST(Sweep, designs_of_a_search_that_begins_the_study_are_known_before_its_first_batch_has_ended) {
+  const TestFolder folder;
+  std::string study = searching_study();
+  study.erase(study.find("[[stage]]"), study.find("[[stage]]\nname = \"learn\"") - study.find("[[stage]]"));
+  study = replaced(study, "budget = 4", R"(budget = 8
+initial = 4
+variables = [
+  { key = "outlet.opening_angle_deg", from = 1, to = 3 },
+  { key = "outlet.base_width_m", from = 0.02, to = 0.03 },
+])");
+  write_text(folder / "study.toml", study);
+  Program program(folder, {DRUMSWEEP_BINARY, "run", "study.toml", "-o", "out"});
+  ASSERT_TRUE(wait_until([&] { return count_files(folder / "out/designs", ".h5") > 0 || !program.running(); }));
+  program.signal(SIGINT);
+  EXPECT_EQ(program.wait(), 3) << program.err();
+  const Json status = JsonReader::parse(drumsweep(folder, {"status", "out", "--json"}).out);
+  EXPECT_EQ(status["designs"].number, 8);
+  EXPECT_GT(status["state"]["done"].number, 0);
+  const Finished rescored = drumsweep(folder, {"rescore", "out", "--set", "objective.modes=10", "-o", "new.csv"});
+  EXPECT_EQ(rescored.code, 0) << rescored.err;
+}
+
 TEST(Sweep, searches_give_the_same_table_and_findings_for_any_ranks_and_interruptions) {
   const TestFolder folder;
   write_text(folder / "study.toml", searching_study());
