@@ -14,8 +14,9 @@ HeldOutJudgement judge_held_out(const Inquiry& inquiry, const ModelFit& plain, c
 /// Gain of a fit over that of the plain model on the data with use = holdout.
 struct HeldOutGain {
   std::vector<std::string> conditions;
-  std::vector<double> nats;                                             ///< of each condition
-  double mean = std::nan(""), low = std::nan(""), high = std::nan("");  ///< 95 % t interval, skewness taken out (Hall 1992)
+  std::vector<double> nats;  ///< of each condition
+  double mean = std::nan(""), low = std::nan(""),
+         high = std::nan("");  ///< 95 % t interval, skewness taken out (Hall 1992)
   double rms_z_before = std::nan(""), rms_z_after = std::nan("");
   double coverage_before = std::nan(""), coverage_after = std::nan("");  ///< of 90 % bands
   struct Quantity {

@@ -210,7 +210,7 @@ void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Conten
 }
 
 bool at_range_end(const Inquiry& in, const ModelFit& fit) {
-  const SubModel m = in.model(fit.effects);
+  const SubModel m = in.campaign_model(fit.effects);
   for (Index i = m.num_parameters; i < fit.x.size(); ++i)
     for (const double end : {m.low[i], m.high[i]})
       if (end != 0 && std::abs(fit.x[i] - end) < nothing) return true;

@@ -38,7 +38,7 @@ LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs
 /// How far off the emulator was at the centre: largest over the outputs, in units of their scale.
 double largest_shift(const LocalCorrection& correction);
 
-/// An emulated model with the correction put in. Its effects must include those of the correction; in what they add, nothing changes.
+/// The emulated model of the centre's effects with the correction put in.
 ModelEmulator corrected(ModelEmulator model, const LocalCorrection& correction);
 
 }  // namespace drumsweep

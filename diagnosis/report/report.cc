@@ -33,11 +33,12 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   for (const std::string& note : second_wave_notes(r.problem, emulator, scaled.local)) r.notes.push_back(note);
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
-    r.notes.push_back(
-        fmt::format("{} runs are below the budget law's {} (9 coefficients (sigma_s / sigma_m)^2): intervals are too "
-                    "narrow and true pairs may be "
-                    "refused; false alarms stay right",
-                    r.num_runs, r.budget));
+    r.notes.push_back(fmt::format(
+        "{} runs are below the budget law's {} (9 coefficients (sigma_s / sigma_m)^2): {}; false alarms stay "
+        "right",
+        r.num_runs, r.budget,
+        scaled.local.empty() ? "intervals are too narrow and true pairs may be refused"
+                             : "the second wave makes up for it where it went, nowhere else"));
   if (measured.num_assumed > 0)
     r.notes.push_back(
         fmt::format("{} of {} data came without an error; {:.3g} % of their values stand for it. The p-value holds for "
