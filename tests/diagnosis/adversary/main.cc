@@ -109,7 +109,7 @@ void score(const HideOptions& o) {
       for (const Statement::Named& n : cause) {
         said += fmt::format(" {} {:.3g} [{:.3g}, {:.3g}]", n.id, n.strength, n.low, n.high);
         for (const auto& [id, phi] : c.truth.effects) {
-          if (id != n.id || cause.size() != c.truth.effects.size()) continue;
+          if (id != n.id || !is_truth(c.truth, cause)) continue;
           strength.add(phi >= n.low && phi <= n.high);
           sum_off += (n.strength - phi) / phi;
           ++num_off;
