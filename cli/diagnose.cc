@@ -10,6 +10,8 @@
 #include "cli/commands.h"
 #include "cli/json.h"
 #include "core/config/schema.h"
+#include "core/config/toml_fields.h"
+#include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
 #include "diagnosis/campaign/second_wave.h"
 #include "diagnosis/campaign/template.h"
@@ -22,7 +24,8 @@ namespace drumsweep {
 namespace {
 
 struct Options {
-  std::string campaign, folder, template_folder, before, after;
+  std::string campaign, folder, template_folder, before;
+  std::vector<std::string> after;
   int threads = 1;
   bool json = false, plan = false;
 };
@@ -54,7 +57,8 @@ std::string json_of(const DiagnosisReport& r) {
                          .str());
   std::vector<std::string> conditions, notes;
   for (const std::string& c : d.gain.conditions) conditions.push_back(json_text(c));
-  for (const std::string& n : r.notes) notes.push_back(json_text(n));
+  for (const auto* list : {&r.notes, &r.second_wave})
+    for (const std::string& n : *list) notes.push_back(json_text(n));
   JsonObject gain, all;
   gain.number("mean", d.gain.mean)
       .number("low", d.gain.low)
@@ -69,12 +73,20 @@ std::string json_of(const DiagnosisReport& r) {
                                     .text("condition", d.advice.front().measurement)
                                     .number("distance_sigma", d.advice.front().distance)
                                     .number("power", d.advice.front().power)
+                                    .number("cost", r.advice_cost.front())
                                     .str());
   all.raw("gain", gain.str()).raw("detection_limits", json_list(limits));
   all.text("headline", headline(r))
       .number("birge", d.birge)
       .count("runs", static_cast<std::int64_t>(r.num_runs))
       .raw("notes", json_list(notes));
+  if (r.change) {
+    const DesignChange::Member& best = r.change->members.front();
+    JsonObject change;
+    change.number("regret_m", best.of_old.f_m).number("sigma_regret_m", best.of_old.sigma_m);
+    change.count("members", static_cast<std::int64_t>(r.change->members.size())).flag("agree", r.change->agree());
+    all.raw("design_change", change.str());
+  }
   return all.str();
 }
 
@@ -123,6 +135,32 @@ int print_plan(const Campaign& campaign, const std::string& folder) {
   return exit_done;
 }
 
+/// Whether the folders are sweeps of the plain study and of the extended ones, as far as the causes go.
+void check_swept(const DiagnosisReport& report, const std::string& before, const std::vector<std::string>& after) {
+  const auto studies = extended_studies(report);
+  if (after.size() > studies.size())
+    throw InputError(fmt::format("--after is there {} times: accepted is at most {}, the number of extended studies",
+                                 after.size(), studies.size()));
+  const Study plain = parse_study(read_text(report.campaign.study), report.campaign.study);
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    Study extended = parse_study(studies[i].second, studies[i].first);
+    const Study old_sweep = read_frozen_study(before), new_sweep = read_frozen_study(after[i]);
+    const auto check = [&](const std::string& folder, const std::string& key, double has, const std::string& of,
+                           double needs) {
+      if (!same(has, needs))
+        throw InputError(
+            fmt::format("{}: {} = {} there: accepted is a sweep of {}, which has {}", folder, key, has, of, needs));
+    };
+    for (const Field& field : fields(extended)) {
+      const auto* value = std::get_if<double*>(&field.value);
+      if (value == nullptr || same(**value, get_number(plain, field.key))) continue;
+      check(before, field.key, get_number(old_sweep, field.key), report.campaign.study, get_number(plain, field.key));
+      check(after[i], field.key, get_number(new_sweep, field.key), studies[i].first, **value);
+    }
+  }
+}
+
 int diagnose_campaign(const Options& options) {
   if (!options.template_folder.empty()) return write_template(options.template_folder);
   if (options.campaign.empty()) throw InputError("CAMPAIGN.toml or --template DIR: one of them is needed");
@@ -168,6 +206,7 @@ int diagnose_campaign(const Options& options) {
   DiagnosisReport report = make_report(campaign, measured, read_runs(campaign, folder, measured, second_wave), how);
   if (!options.before.empty() || !options.after.empty()) {
     if (options.before.empty() || options.after.empty()) throw InputError("--before and --after: both are needed");
+    check_swept(report, options.before, options.after);
     report.change = change_of_design(options.before, options.after, campaign.seed);
   }
   const std::vector<std::string> paths = write_report(report, folder);
@@ -192,7 +231,10 @@ void add_diagnose(CLI::App& app, int& exit_code) {
       "write a commented campaign.toml with scenes and measured.csv into this folder, which runs as it is");
   command->add_option("--before", options->before,
                       "output folder of the campaign's study, swept: what the extension changes in the optimum ...");
-  command->add_option("--after", options->after, "... and of extended.toml");
+  command
+      ->add_option("--after", options->after,
+                   "... and of extended.toml; once more for extended_2.toml and so on: whether all agree on the design")
+      ->allow_extra_args(false);
   command->add_flag("--plan", options->plan, "what would run and what it costs; runs nothing but one run for its time");
   command->add_option("--threads", options->threads, "threads of each rank; more ranks are better")
       ->capture_default_str()
@@ -204,7 +246,8 @@ void add_diagnose(CLI::App& app, int& exit_code) {
       "  mpirun -n 2 drumsweep diagnose campaign/campaign.toml -o found   again = go on\n"
       "Every run is stored when it is done; after a kill or Ctrl-C (exit 3) the same command goes on, and the result "
       "is the same bit for bit\n"
-      "for any number of ranks. In OUT: diagnosis.txt, .html, .h5, misfit.csv, candidates.csv, gain.csv, extended.toml "
+      "for any number of ranks. In OUT: diagnosis.txt, .html, .h5, misfit.csv, candidates.csv, isolation.csv, "
+      "gain.csv, extended.toml "
       "(for `drumsweep run`).\n"
       "Measured values may be changed without simulating anything again; a change of what is simulated is refused "
       "(exit 5).");

@@ -151,9 +151,13 @@ void sample(const Options& options) {
   const Looked looked = look(options);
   const std::string folder = std::filesystem::path(options.output).lexically_normal().string();
   make_folder(folder);
+  const SampleFiles written = write_sample(looked.sample, folder);
   std::vector<std::string> files;
-  for (const std::string& name : write_sample(looked.sample, folder))
-    files.push_back((std::filesystem::path(folder) / name).string());
+  for (const std::string& name : written.names) files.push_back((std::filesystem::path(folder) / name).string());
+  // As with a table, and unlike with `contour`, what was asked for is there: the picture is one of its forms.
+  if (!written.no_picture.empty())
+    fmt::print(stderr, "drumsweep: no picture: {}\n{}/sample.gp draws it from the tables where gnuplot is\n",
+               written.no_picture, folder);
   if (options.json)
     print_json(looked, files);
   else
@@ -186,7 +190,7 @@ void add_sample(CLI::App& app, int&) {
       "  profile.csv   height averaged along the belt and its standard error [m], across the belt [m]\n"
       "  spectrum.csv  modes of the profile in the window of f: wavelength [m], |a_n| [m], |a_n| / a_0\n"
       "  sample.png, sample.svg  the four together; sample.gp draws sample.png from the tables\n"
-      "A figure needs gnuplot; the tables are written before it is called.");
+      "The pictures need gnuplot; without it the rest is written, and said.");
   command->callback([options] { sample(*options); });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include "core/io/durable_file.h"
 #include "postproc/result_table.h"
@@ -360,11 +361,11 @@ FigureFiles sample_figure(const DesignSample& sample, const std::string& picture
   return {script, sample_tables(sample)};
 }
 
-std::vector<std::string> write_sample(const DesignSample& sample, const std::filesystem::path& folder) {
-  std::vector<std::string> names;
+SampleFiles write_sample(const DesignSample& sample, const std::filesystem::path& folder) {
+  SampleFiles files;
   const auto write = [&](const std::string& name, const std::string& text) {
     write_durably(folder / name, text);
-    names.push_back(name);
+    files.names.push_back(name);
   };
   for (const auto& [name, text] : sample_tables(sample)) write(name, text);
   write("sample.gp", sample_figure(sample, "sample.png").script);
@@ -372,9 +373,16 @@ std::vector<std::string> write_sample(const DesignSample& sample, const std::fil
   constexpr std::size_t most_in_svg = 8000;
   for (const char* picture : {"sample.png", "sample.svg"}) {
     const SampleLook look{.most_landings = picture == std::string("sample.svg") ? most_in_svg : 0};
-    write(picture, draw(sample_figure(sample, picture, look), picture));
+    std::string drawn;
+    try {
+      drawn = draw(sample_figure(sample, picture, look), picture);
+    } catch (const std::runtime_error& error) {
+      files.no_picture = error.what();
+      break;
+    }
+    write(picture, drawn);
   }
-  return names;
+  return files;
 }
 
 std::string sample_for_page(const DesignSample& sample, const PageFigure& page, SampleLook look) {

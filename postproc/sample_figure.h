@@ -54,9 +54,13 @@ struct SampleLook {
 /// The column of four panels, as a gnuplot script that reads the tables above; picture.png or .svg.
 FigureFiles sample_figure(const DesignSample& sample, const std::string& picture_name, const SampleLook& look = {});
 
+struct SampleFiles {
+  std::vector<std::string> names;
+  std::string no_picture;  ///< why there is none (gnuplot is missing, or failed); empty: there is
+};
 /// Writes the tables, sample.png, sample.svg, and sample.gp, which draws sample.png from the tables, into a folder that
-/// is there. @return the names. @throws std::runtime_error when gnuplot fails; the tables are there then
-std::vector<std::string> write_sample(const DesignSample& sample, const std::filesystem::path& folder);
+/// is there. Without gnuplot all but the pictures.
+SampleFiles write_sample(const DesignSample& sample, const std::filesystem::path& folder);
 
 /// The figure as an element of an HTML page, for light and dark; about 100 bytes a landing drawn.
 std::string sample_for_page(const DesignSample& sample, const PageFigure& page, SampleLook look);

@@ -11,6 +11,8 @@
 namespace drumsweep {
 
 std::string place(const std::string& source, const toml::source_region& region) {
+  // What a flag says has no lines that anybody could look up.
+  if (source.rfind("--", 0) == 0) return source + ": ";
   return fmt::format("{}:{}:{}: ", source, region.begin.line, region.begin.column);
 }
 

@@ -61,7 +61,7 @@ std::string inside(const std::string& folder, const std::string& name) {
 }
 
 Condition read_one(const Reader& in, const toml::table& t, const std::string& folder) {
-  in.only_keys(t, {"id", "file", "set", "group", "held_out", "baseline"});
+  in.only_keys(t, {"id", "file", "set", "group", "held_out", "baseline", "cost"});
   const std::string id = in.text(in.need(t, "id"), "id");
   std::vector<KeyChange> inputs;
   if (const toml::node* set = t.get("set")) {
@@ -80,6 +80,10 @@ Condition read_one(const Reader& in, const toml::table& t, const std::string& fo
     if (!baseline->is_table()) in.fail(*baseline, "baseline: needs to be a table of quantities and numbers");
     for (const auto& [key, node] : *baseline->as_table())
       c.baseline.emplace_back(std::string(key.str()), in.number(node, std::string(key.str())));
+  }
+  if (const toml::node* cost = t.get("cost")) {
+    c.cost = in.number(*cost, "cost");
+    if (!(c.cost > 0)) in.fail(*cost, fmt::format("cost = {}: accepted is above 0", c.cost));
   }
   if (const toml::node* held = t.get("held_out")) {
     if (!held->is_boolean()) in.fail(*held, "held_out: needs to be true or false");

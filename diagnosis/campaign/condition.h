@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +44,7 @@ struct Condition {
   std::string type;   ///< "pile", "drum" ..., "study"
   std::string group;  ///< of its quantities where they do not say themselves; bench | drum | outlet | belt | mass
   bool held_out = false;
+  double cost = std::numeric_limits<double>::quiet_NaN();  ///< of measuring it once, in any unit
   /// What another program has simulated for these quantities: outputs are scaled so that the plain model at the prior's mean gives it.
   std::vector<std::pair<std::string, double>> baseline{};
 

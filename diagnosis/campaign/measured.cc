@@ -203,9 +203,13 @@ void match_measured(MeasuredData& measured, const std::string& source, const Cam
                                        ? fmt::format("needs one, {} to {} {}", low, high, found->position_unit)
                                        : "has none: leave it empty"));
     d.position_unit = found->position_unit;
-    if (!std::isnan(d.position) && !(d.position >= low && d.position <= high))
-      throw InputError(fmt::format("{}position = {}: {} is simulated from {} to {} {}", here, d.position, d.quantity,
-                                   low, high, found->position_unit));
+    if (!std::isnan(d.position)) {
+      const double rounding = 1e-9 * (high - low);
+      if (!(d.position >= low - rounding && d.position <= high + rounding))
+        throw InputError(fmt::format("{}position = {}: {} is simulated from {:.6g} to {:.6g} {}", here, d.position,
+                                     d.quantity, low, high, found->position_unit));
+      d.position = std::clamp(d.position, low, high);
+    }
     if (!std::isfinite(read_off(offered[c], d.quantity, d.position)))
       throw InputError(
           fmt::format("{}{}: this condition gives no number for it (too few balls, or too short)", here, name_of(d)));

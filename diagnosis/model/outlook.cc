@@ -117,9 +117,10 @@ Outlook look_at_candidates(const Inquiry& in, const Misfit& misfit) {
 std::vector<Advice> advise(const Inquiry& in, const std::vector<const ModelFit*>& members) {
   std::vector<Advice> out;
   if (members.size() < 2 || members.size() > 12) return out;
+  const double now = least_distance(in, in.fitted, in.covariance, members);
   const auto add = [&](const std::string& name, const std::vector<Index>& outputs, const Eigen::MatrixXd& covariance) {
     const double d = least_distance(in, outputs, covariance, members);
-    out.push_back({name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0});
+    out.push_back({name, d, d > 0 ? normal_cdf((d * d - rival_rise) / (2 * d)) : 0, std::max(0.0, d * d - now * now)});
   };
   add("repeat the campaign", in.fitted, 0.5 * in.covariance);
   std::map<std::string, std::vector<Index>> extra;

@@ -21,6 +21,7 @@ struct Advice {
   std::string measurement;  ///< a condition with use = available, or "repeat the campaign"
   double distance;          ///< least predicted distance of two members of the set, in sigma
   double power;             ///< of telling the truth apart from the nearest other member
+  double gained = 0;        ///< what it adds to the square of that distance
 };
 
 inline constexpr double exact_twins = 0.5;  ///< distance in sigma below which no such data tell two effects apart

@@ -29,6 +29,15 @@ std::string shape_at(const std::string& shape, double x, double y, double r) {
 
 bool finite(const ChartPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
+/// Room for the longest name, in letters as wide as on narrow screens.
+double width_of_names(const std::vector<std::string>& names) {
+  std::ptrdiff_t longest = 0;
+  for (const std::string& name : names)
+    longest = std::max(longest, std::count_if(name.begin(), name.end(),
+                                              [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+  return 9.6 * static_cast<double>(longest) + 12;
+}
+
 }  // namespace
 
 std::vector<double> round_ticks(double low, double high, int count) {
@@ -71,8 +80,23 @@ ChartAxis axis_over(const std::string& label, const std::vector<double>& values,
   return {label, from_zero ? 0 : low - margin, high + margin};
 }
 
+std::string legend_html(const std::vector<LegendEntry>& entries) {
+  std::string list;
+  for (const auto& [text, css, shape] : entries) {
+    const std::string mark =
+        shape == "line" ? fmt::format("<path class=\"ln {}\" d=\"M1 6H19\"/>", css)
+        : shape == "bar"
+            ? fmt::format("<rect class=\"br {}\" x=\"1\" y=\"1\" width=\"18\" height=\"10\"/>", css)
+            : fmt::format("<g class=\"pt {} {}\"><path d=\"{}\"/></g>", css, shape, shape_at(shape, 10, 6, 4));
+    list += fmt::format("<span><svg viewBox=\"0 0 20 12\" aria-hidden=\"true\">{}</svg>{}</span>", mark, escaped(text));
+  }
+  return list.empty() ? "" : fmt::format("<p class=\"legend\">{}</p>\n", list);
+}
+
 Chart::Chart(std::string title, ChartAxis x, ChartAxis y, double width, double height)
-    : title_(std::move(title)), x_(std::move(x)), y_(std::move(y)), width_(width), height_(height) {}
+    : title_(std::move(title)), x_(std::move(x)), y_(std::move(y)), width_(width), height_(height) {
+  left_ = std::max(left_, width_of_names(y_.names));
+}
 
 double Chart::px(double x) const { return left_ + (x - x_.low) / (x_.high - x_.low) * (width_ - left_ - right_); }
 double Chart::py(double y) const {
@@ -145,6 +169,22 @@ void Chart::bar(double x_begin, double x_end, double y_begin, double y_end, cons
                   px(low), py(y_end), std::max(0.6, px(high) - px(low)), py(y_begin) - py(y_end), tip_of(tip));
 }
 
+void Chart::whisker(double x_begin, double x_end, double y, const std::string& css) {
+  const double low = std::max(x_begin, x_.low), high = std::min(x_end, x_.high);
+  if (!(high >= low)) return;
+  std::string path = fmt::format("M{:.1f} {:.1f}H{:.1f}", px(low), py(y), px(high));
+  // An end that is cut off has no cap.
+  for (const double end : {x_begin, x_end})
+    if (end >= x_.low && end <= x_.high) path += fmt::format("M{:.1f} {:.1f}v6", px(end), py(y) - 3);
+  body_ += fmt::format("<path class=\"err {}\" d=\"{}\"/>\n", css, path);
+}
+
+void Chart::note(double x, double y, const std::string& text, NoteSide side) {
+  const bool right = side == NoteSide::right;
+  body_ += fmt::format("<text class=\"on\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
+                       px(x) + (right ? 6 : -6), py(y) + 4.5, right ? "start" : "end", escaped(text));
+}
+
 void Chart::stripe(double x_begin, double x_end, const std::string& text, bool dark) {
   const double low = px(std::max(x_begin, x_.low)), high = px(std::min(x_end, x_.high));
   if (!(high > low)) return;
@@ -157,19 +197,7 @@ void Chart::stripe(double x_begin, double x_end, const std::string& text, bool d
 }
 
 void Chart::legend(const std::string& text, const std::string& css, const std::string& shape) {
-  const std::string mark =
-      shape == "line"
-          ? fmt::format("<svg viewBox=\"0 0 20 12\" aria-hidden=\"true\"><path class=\"ln {}\" d=\"M1 6H19\"/></svg>",
-                        css)
-      : shape == "bar" ? fmt::format(
-                             "<svg viewBox=\"0 0 20 12\" aria-hidden=\"true\"><rect class=\"br {}\" x=\"1\" y=\"1\" "
-                             "width=\"18\" height=\"10\"/></svg>",
-                             css)
-                       : fmt::format(
-                             "<svg viewBox=\"0 0 20 12\" aria-hidden=\"true\"><g class=\"pt {} {}\"><path "
-                             "d=\"{}\"/></g></svg>",
-                             css, shape, shape_at(shape, 10, 6, 4));
-  legend_.push_back(fmt::format("<span>{}{}</span>", mark, escaped(text)));
+  legend_.push_back({text, css, shape});
 }
 
 std::string Chart::frame() const {
@@ -214,13 +242,11 @@ std::string Chart::frame() const {
 }
 
 std::string Chart::svg() const {
-  std::string legends;
-  for (const std::string& one : legend_) legends += one;
-  if (!legends.empty()) legends = fmt::format("<p class=\"legend\">{}</p>\n", legends);
   return fmt::format(
       "{}<div class=\"box\"><svg class=\"chart{}\" style=\"max-width:{:.0f}px\" viewBox=\"0 0 {:.0f} {:.0f}\" "
       "role=\"img\" aria-label=\"{}\">\n{}{}\n{}</svg></div>",
-      legends, width_ > 600 ? " big" : "", 1.1 * width_, width_, height_, escaped(title_), behind_, frame(), body_);
+      legend_html(legend_), width_ > 600 ? " big" : "", 1.1 * width_, width_, height_, escaped(title_), behind_,
+      frame(), body_);
 }
 
 }  // namespace drumsweep

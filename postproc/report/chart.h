@@ -10,7 +10,7 @@ namespace drumsweep {
 struct ChartAxis {
   std::string label;                 ///< with unit
   double low = 0, high = 1;          ///< low < high
-  std::vector<std::string> names{};  ///< in place of numbers: one a unit from 0, for lists
+  std::vector<std::string> names{};  ///< in place of numbers: one a unit from 0, for lists; of y: room is made for them
   bool whole = false;                ///< ticks at whole numbers only
 };
 
@@ -23,6 +23,13 @@ struct ChartPoint {
   double error = 0;  ///< of y, one standard error; 0 or NaN: none is drawn
   std::string tip;   ///< plain text
 };
+
+/// Names a series: a mark ("line", "bar" or a shape of Chart::points) and a text.
+struct LegendEntry {
+  std::string text, css, shape;
+};
+/// A legend of its own, for several charts.
+std::string legend_html(const std::vector<LegendEntry>& entries);
 
 /// Draws in the order of the calls. Classes are those of style.css: "a" to "d" for series, "best", "bad", "limit".
 class Chart {
@@ -44,9 +51,14 @@ class Chart {
   void upright(double at, const std::string& text, const std::string& css);
   /// From x to x, between y and y.
   void bar(double x_begin, double x_end, double y_begin, double y_end, const std::string& css, const std::string& tip);
+  /// An error bar that lies at a height y, for lists.
+  void whisker(double x_begin, double x_end, double y, const std::string& css);
+  /// A short text beside a place in the chart.
+  enum class NoteSide { left, right };
+  void note(double x, double y, const std::string& text, NoteSide side = NoteSide::right);
   /// Shades x between two values, with a text at its top.
   void stripe(double x_begin, double x_end, const std::string& text, bool dark);
-  /// Names a series: shape (or "line") and text, above the chart.
+  /// Names a series above the chart.
   void legend(const std::string& text, const std::string& css, const std::string& shape);
 
   std::string svg() const;
@@ -59,7 +71,7 @@ class Chart {
   std::string title_, behind_, body_;
   ChartAxis x_, y_;
   double width_, height_, left_ = 62, right_ = 14, top_ = 30, bottom_ = 52;
-  std::vector<std::string> legend_;
+  std::vector<LegendEntry> legend_;
 };
 
 /// Round numbers from low to high, about `count` of them.

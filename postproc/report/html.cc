@@ -100,8 +100,8 @@ std::string fact_table(const std::vector<std::pair<std::string, std::string>>& f
 }
 
 std::string figure(const std::string& content, const std::string& caption, bool wide) {
-  return fmt::format("<figure{}>\n{}\n<figcaption>{}</figcaption>\n</figure>\n", wide ? " class=\"wide\"" : "", content,
-                     caption);
+  return fmt::format("<figure{}>\n{}\n{}</figure>\n", wide ? " class=\"wide\"" : "", content,
+                     caption.empty() ? "" : fmt::format("<figcaption>{}</figcaption>\n", caption));
 }
 
 std::string html_of(const HtmlTable& table) {
@@ -123,9 +123,10 @@ std::string html_of(const HtmlTable& table) {
     body += "</tr>\n";
   }
   return fmt::format(
-      "<div class=\"scroll{}\" tabindex=\"0\" role=\"region\" aria-label=\"table\"><table class=\"data{}\">\n"
+      "<div class=\"scroll{}\" tabindex=\"0\" role=\"region\" aria-label=\"table\"><table class=\"data{}{}\">\n"
       "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
-      table.rows.size() > 30 ? " tall" : "", table.sortable ? " sortable" : "", head, body);
+      table.rows.size() > 30 ? " tall" : "", table.sortable ? " sortable" : "", table.dense ? " dense" : "", head,
+      body);
 }
 
 }  // namespace drumsweep

@@ -51,6 +51,7 @@ struct HtmlTable {
   std::vector<std::vector<HtmlCell>> rows;
   bool sortable = false;
   std::size_t most_printed = 0;  ///< further rows are not printed on paper; 0: all are
+  bool dense = false;            ///< many columns: smaller and closer
 };
 std::string html_of(const HtmlTable& table);
 

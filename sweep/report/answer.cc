@@ -193,7 +193,14 @@ std::string answer_html(ReportData& data) {
     html +=
         "<p>The lowest of many noisy values is lower than the truth: repeat it with a stage of type "
         "<code>replicate</code> before it is built.</p>\n";
-  if (!data.best) return html + "<p>The landings of no design near it can be read.</p>\n";
+  if (!data.best)
+    return html +
+           fmt::format("<p>The bed there cannot be shown: {}.</p>\n",
+                       data.unreadable.empty()
+                           ? "no design near it has landings"
+                           : fmt::format("the landings of design <code>{}</code>, the nearest, cannot be read; see "
+                                         "<a href=\"#trouble\">below</a>",
+                                         escaped(data.unreadable.front().first)));
   const Objective& o = data.best->evaluation.objective;
   html += fmt::format(
       "<h3>Its bed</h3>\n<p>Design <code>{}</code>{}: {} on the whole belt, {} under the outlet alone; mean height {}, "

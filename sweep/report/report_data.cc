@@ -93,12 +93,13 @@ std::optional<DetailedDesign> detail_of(ReportData& data, RecordingIndex& record
   const PlannedDesign& design = data.plan.designs[found->second];
   try {
     StoredDesign stored = recordings.read(data.study, design);
-    if (!stored.recording) return std::nullopt;
+    if (!stored.recording) throw std::runtime_error("its recording is not there");
     DetailedDesign detail{row, study_of_design(data.study, design.values), std::move(*stored.recording), {}};
     detail.evaluation =
         evaluate_in_detail(detail.recording.landings, detail.recording.begin_s, detail.recording.turns, detail.study);
     return detail;
   } catch (const std::exception& error) {
+    data.unreadable.emplace_back(row.design_id, error.what());
     data.notes.push_back(fmt::format("design {} cannot be shown: {}", row.design_id, error.what()));
     return std::nullopt;
   }
@@ -137,7 +138,8 @@ void find_samples(ReportData& data, RecordingIndex& recordings) {
         nearest = &row;
       }
     }
-    if (nearest == nullptr) continue;
+    const auto is_nearest = [&](const auto& u) { return u.first == nearest->design_id; };
+    if (nearest == nullptr || std::any_of(data.unreadable.begin(), data.unreadable.end(), is_nearest)) continue;
     if (auto detail = detail_of(data, recordings, *nearest)) data.samples.emplace_back(point.name, std::move(*detail));
   }
 }

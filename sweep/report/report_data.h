@@ -52,6 +52,8 @@ struct ReportData {
   Answer answer;
   std::optional<DetailedDesign> best;                           ///< the simulated design nearest to the answer
   std::vector<std::pair<std::string, DetailedDesign>> samples;  ///< S1's sample points, with their names
+  std::vector<std::pair<std::string, std::string>>
+      unreadable;  ///< designs whose landings were wanted here, and why not
   std::vector<std::string> notes;
 };
 

@@ -232,7 +232,13 @@ std::string trouble_html(const ReportData& data) {
   for (const ResultRow& row : data.table.rows)
     if (row.state != "done")
       reasons[row.state + ": " + (row.reason.empty() ? "no reason stored" : row.reason)].push_back(&row);
-  if (reasons.empty()) return "<p>None: every design that has ended has a result to be trusted.</p>\n";
+  std::string damaged;
+  for (const auto& [id, why] : data.unreadable)
+    damaged += fmt::format(
+        "<p class=\"banner\">The landings of design <code>{}</code> cannot be read: {}. The next run of the study "
+        "simulates it again.</p>\n",
+        escaped(id), escaped(why));
+  if (reasons.empty()) return damaged + "<p>None: every design that has ended has a result to be trusted.</p>\n";
   HtmlTable table{{{"what", false, true}, {"designs", true}, {"which", false, true}}, {}, false, 0};
   constexpr std::size_t most_named = 8, most_reasons = 100;
   for (const auto& [reason, rows] : reasons) {
@@ -246,6 +252,7 @@ std::string trouble_html(const ReportData& data) {
     table.rows.push_back({{escaped(reason), ""}, {fmt::format("{}", rows.size()), ""}, {which, ""}});
   }
   std::string html =
+      damaged +
       "<p>Neither fit nor search sees a value of these; <code>drumsweep why OUT ID</code> tells the story of "
       "each.</p>\n" +
       html_of(table);

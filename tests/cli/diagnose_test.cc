@@ -1,8 +1,8 @@
 /// `drumsweep diagnose` as a user runs it, on a campaign of milliseconds.
 #include <gtest/gtest.h>
 
+#include "cli/browser.h"
 #include "cli/mini_json.h"
-#include "cli/program.h"
 #include "diagnosis/campaign/small_campaign.h"
 #include "sweep/store/output_lock.h"
 
@@ -27,7 +27,7 @@ TEST(Diagnose, rolling_resistance_is_found_and_its_gain_adopted) {
   // No observable here sees twisting.
   EXPECT_LT(found["detection_limits"].list[1]["sigma_at_end"].number, 1);
   for (const char* name :
-       {"diagnosis.txt", "diagnosis.html", "diagnosis.h5", "misfit.csv", "candidates.csv", "gain.csv"})
+       {"diagnosis.txt", "diagnosis.html", "diagnosis.h5", "misfit.csv", "candidates.csv", "isolation.csv", "gain.csv"})
     EXPECT_FALSE(file_text(folder / "out/" + name).empty()) << name;
   EXPECT_NE(file_text(folder / "out/diagnosis.txt").find("nothing here sees it"), std::string::npos);
   // The extended study is one that the program takes as it is.
@@ -45,6 +45,60 @@ TEST(Diagnose, rolling_resistance_is_found_and_its_gain_adopted) {
   EXPECT_EQ(JsonReader::parse(again.out)["verdict"].text, "nothing_wrong") << again.out;
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out/runs/000000.h5"), written);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/extended.toml"));
+}
+
+TEST(Diagnose, page_opens_with_tables_and_figures_and_no_complaint) {
+  const TestFolder folder;
+  write_small_campaign(folder / "c", 0.1);
+  const Finished run = drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  // The page says what the text says.
+  const std::string page = file_text(folder / "out/diagnosis.html"), text = file_text(folder / "out/diagnosis.txt");
+  for (const char* words :
+       {"ESTABLISHED", "rolling resistance", "nothing here sees it", "held out", "sensor bias of acceleration"}) {
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+    EXPECT_NE(text.find(words), std::string::npos) << words;
+  }
+  if (!has_browser())
+    GTEST_SKIP() << "chromium is not installed (cluster/packages_test.txt): the page is not looked at";
+  const std::string picture = folder / "page.png";
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--window-size=1200,1600", "--screenshot=" + picture},
+        {"--window-size=390,1600", "--virtual-time-budget=5000", "--dump-dom"}}) {
+    const Finished seen = browse(folder, options, "out/diagnosis.html");
+    EXPECT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.err.find("CONSOLE"), std::string::npos) << seen.err;
+    if (options.size() < 3) continue;
+    // After its script ran: sortable tables have buttons, marks of the figures say their values.
+    EXPECT_NE(seen.out.find("<button type=\"button\">"), std::string::npos);
+    EXPECT_NE(seen.out.find("data-tip=\"at_20, acceleration\nmeasured: "), std::string::npos);
+    EXPECT_NE(seen.out.find("data-tip=\"rolling resistance: seen above "), std::string::npos);
+  }
+  EXPECT_GT(busy_share(file_text(picture)), 0.005);
+}
+
+TEST(Diagnose, sweeps_of_both_studies_say_what_keeping_the_old_design_costs) {
+  const TestFolder folder;
+  write_small_campaign(folder / "c", 0.1);
+  write_text(folder / "c/study.toml", tiny_study(2, 3));
+  ASSERT_EQ(drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out"}).code, 0);
+  EXPECT_NE(file_text(folder / "out/diagnosis.txt").find("not known yet: run the study"), std::string::npos);
+  ASSERT_EQ(drumsweep(folder, {"run", "c/study.toml", "-o", "plain"}).code, 0);
+  ASSERT_EQ(drumsweep(folder, {"run", "out/extended.toml", "-o", "extended"}).code, 0);
+  const Finished both =
+      drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "plain", "--after", "extended"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  for (const char* words : {"keeping the old design costs", "Optimum outlet", "base width (m)"})
+    EXPECT_NE(both.out.find(words), std::string::npos) << words << both.out;
+  // The one is not the other, and there is one extended study only.
+  const Finished swapped =
+      drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "extended", "--after", "plain"});
+  EXPECT_EQ(swapped.code, 2);
+  EXPECT_NE(swapped.err.find("there: accepted is a sweep of c/study.toml"), std::string::npos) << swapped.err;
+  const Finished two = drumsweep(folder, {"diagnose", "c/campaign.toml", "-o", "out", "--before", "plain", "--after",
+                                          "extended", "--after", "extended"});
+  EXPECT_EQ(two.code, 2);
+  EXPECT_NE(two.err.find("--after is there 2 times"), std::string::npos) << two.err;
 }
 
 TEST(Diagnose, result_is_the_same_for_any_ranks_and_interruptions) {
@@ -65,7 +119,8 @@ TEST(Diagnose, result_is_the_same_for_any_ranks_and_interruptions) {
     Program program(folder, under_mpirun(2, {"diagnose", "c/campaign.toml", "-o", "three"}));
     EXPECT_EQ(program.wait(), 0) << program.err();
   }
-  for (const char* name : {"misfit.csv", "candidates.csv", "gain.csv", "diagnosis.txt", "diagnosis.h5"})
+  for (const char* name :
+       {"misfit.csv", "candidates.csv", "isolation.csv", "gain.csv", "diagnosis.txt", "diagnosis.h5"})
     EXPECT_EQ(file_text(folder / "one/" + name), file_text(folder / "three/" + name)) << name;
 }
 

@@ -96,5 +96,18 @@ TEST(Sample, shows_a_finished_design_and_takes_no_other_in_its_place) {
   EXPECT_FALSE(std::filesystem::exists(folder / "d"));
 }
 
+TEST(Sample, without_gnuplot_the_tables_are_there_and_the_missing_picture_is_said) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study());
+  ASSERT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
+  Program program(folder,
+                  {"env", "PATH=" + folder.path, DRUMSWEEP_BINARY, "sample", "out", "--at", "1,0.02", "-o", "bare"});
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  EXPECT_NE(program.err().find("no picture: gnuplot cannot be started"), std::string::npos) << program.err();
+  for (const char* name : {"landings.csv", "surface.csv", "profile.csv", "spectrum.csv", "sample.gp"})
+    EXPECT_FALSE(file_text(folder / "bare/" + name).empty()) << name;
+  EXPECT_FALSE(std::filesystem::exists(folder / "bare/sample.png"));
+}
+
 }  // namespace
 }  // namespace drumsweep

@@ -1,59 +1,13 @@
 /// The page of `drumsweep report` in a browser without a window, and `rescore`, by the real program.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <cstdint>
 
+#include "cli/browser.h"
 #include "cli/mini_json.h"
-#include "cli/program.h"
 
 namespace drumsweep {
 namespace {
-
-bool has_browser() {
-  const TestFolder folder;
-  return Program(folder, {"chromium", "--version"}).wait() == 0;
-}
-
-/// Runs the browser on a page; standard error has what the page says on its console.
-Finished browse(const TestFolder& folder, const std::vector<std::string>& options, const std::string& page) {
-  std::vector<std::string> words = {"chromium",
-                                    "--headless",
-                                    "--no-sandbox",
-                                    "--disable-gpu",
-                                    "--disable-dev-shm-usage",
-                                    "--hide-scrollbars",
-                                    "--enable-logging=stderr",
-                                    "--v=0",
-                                    "--allow-file-access-from-files",
-                                    "--host-resolver-rules=MAP * ~NOTFOUND",
-                                    "--user-data-dir=" + folder / "profile"};
-  words.insert(words.end(), options.begin(), options.end());
-  words.push_back("file://" + folder / page);
-  Program program(folder, words);
-  const int code = program.wait();
-  return {code, program.out(), program.err()};
-}
-
-/// Shares of a PNG's bytes, as filtered, that differ from zero: near 0 for a picture of one colour.
-double busy_share(const std::string& png) {
-  std::string packed;
-  const auto number = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8u | static_cast<unsigned char>(png[at + i]);
-    return value;
-  };
-  for (std::size_t at = 8; at + 12 <= png.size(); at += 12 + number(at))
-    if (png.compare(at + 4, 4, "IDAT") == 0) packed += png.substr(at + 8, number(at));
-  std::string bytes(std::size_t{200} << 20u, '\0');
-  uLongf size = bytes.size();
-  if (packed.empty() || uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
-                                   reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK)
-    return 0;
-  const auto zeros = std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size), '\0');
-  return 1 - static_cast<double>(zeros) / static_cast<double>(size);
-}
 
 /// A page around the report: opens it in a frame of that width, clicks twice on the name of the column `f`, points at a
 /// mark of a figure, and says what it found.
@@ -74,6 +28,8 @@ frame.onload = () => {
   const mark = page.querySelector("svg.chart [data-tip]");
   mark.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", {bubbles: true, clientX: 50, clientY: 50}));
   out.tip = page.getElementById("tip").textContent;
+  out.maps = [...page.querySelectorAll("#contours [data-tip]")].filter((m) => m.dataset.tip.includes(": f = ")).length;
+  out.titles = page.querySelectorAll("#contours svg g title, #contours svg path title").length;
   out.overflow = page.documentElement.scrollWidth - frame.clientWidth;
   out.paper = frame.contentWindow.getComputedStyle(page.body).backgroundColor;
   out.ink = frame.contentWindow.getComputedStyle(page.body).color;
@@ -116,6 +72,7 @@ TEST(Report, page_opens_sorts_and_says_values_light_dark_narrow_and_wide) {
   if (!has_browser())
     GTEST_SKIP() << "chromium is not installed (cluster/packages_test.txt): the page is not looked at";
 
+  const bool has_gnuplot = Program(folder, {"gnuplot", "--version"}).wait() == 0;
   for (const int width : {390, 1600}) {
     const Json seen = probed(folder, width, {});
     const std::vector<double> up = numbers(seen["up"]), down = numbers(seen["down"]);
@@ -126,6 +83,11 @@ TEST(Report, page_opens_sorts_and_says_values_light_dark_narrow_and_wide) {
     EXPECT_EQ(seen["sort"].text, "ascending");
     EXPECT_NE(seen["tip"].text.find("mm"), std::string::npos) << seen["tip"].text;
     EXPECT_LE(seen["overflow"].number, 0) << width;
+    // Each of the four designs says its value on the map; the script took the words from where the browser would show them.
+    if (has_gnuplot) {
+      EXPECT_GE(seen["maps"].number, 4);
+      EXPECT_EQ(seen["titles"].number, 0);
+    }
     EXPECT_GT(red(seen["paper"].text), 200);
     EXPECT_LT(red(seen["ink"].text), 80);
   }
@@ -208,6 +170,8 @@ TEST(Rescore, values_that_make_no_sense_are_exit_2_with_key_value_and_range) {
     EXPECT_EQ(result.code, 2) << result.err;
     for (const std::string& word : bad.words)
       EXPECT_NE(result.err.find(word), std::string::npos) << word << ": " << result.err;
+    // A flag has no lines.
+    EXPECT_EQ(result.err.find(":1:"), std::string::npos) << result.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "new.csv"));
 }

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "core/config/schema.h"
+#include "support/complaint.h"
 #include "tests/postproc/synthetic.h"
 
 namespace drumsweep {
@@ -67,12 +68,8 @@ RC_GTEST_PROP(Bed, grid_fills_the_strip_and_divides_into_blocks, ()) {
 TEST(Bed, standing_belt_is_refused_by_name) {
   BeltConfig belt;
   belt.speed_m_s = 0.0;
-  try {
-    bed_grid(belt, ObjectiveConfig{}, 0.01, two_turns_s, 6);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("belt.speed_m_s"), std::string::npos) << error.what();
-  }
+  const std::string text = complaint([&] { bed_grid(belt, ObjectiveConfig{}, 0.01, two_turns_s, 6); });
+  EXPECT_NE(text.find("belt.speed_m_s"), std::string::npos) << text;
 }
 
 TEST(Bed, volume_landed_equals_height_times_area_times_packing) {

@@ -13,6 +13,7 @@
 
 #include "core/config/schema.h"
 #include "postproc/contour_figure.h"
+#include "support/complaint.h"
 #include "tests/postproc/synthetic.h"
 
 namespace drumsweep {
@@ -47,15 +48,6 @@ ResultTable three_by_three() {
   ResultTable table = empty_table();
   add_stage(table, "coarse", {0.0, 0.6}, 3, {0.02, 0.2}, 3);
   return table;
-}
-
-std::string complaint(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(ContourAxes, are_the_first_two_variables_that_vary) {

@@ -7,6 +7,7 @@
 
 #include "core/config/schema.h"
 #include "postproc/animation.h"
+#include "support/complaint.h"
 #include "support/small_drum.h"
 
 namespace drumsweep {
@@ -37,15 +38,6 @@ std::size_t count(const std::string& text, const std::string& word) {
   std::size_t num = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++num;
   return num;
-}
-
-std::string complaint(const Still& still, const PictureOptions& options) {
-  try {
-    picture_frame(still, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Picture, shows_all_balls_with_colour_bar_scale_bar_and_caption) {
@@ -87,11 +79,14 @@ TEST(Picture, of_a_scene_the_balls_fill_it_and_what_only_a_drum_has_is_refused) 
   const PictureFrame frame = picture_frame(still, options);
   EXPECT_LT(frame.metres_per_pixel * options.width, 0.1);
   options.colour = "slot";
-  EXPECT_NE(complaint(still, options).find("--colour slot"), std::string::npos);
+  EXPECT_NE(complaint([&] { picture_frame(still, options); }).find("--colour slot"), std::string::npos);
   options = {};
   options.view = "outlet";
-  EXPECT_NE(complaint(still, options).find("--view outlet"), std::string::npos);
-  EXPECT_NE(complaint(Still{"empty", 0, {}, {}, {}}, {}).find("neither balls nor walls"), std::string::npos);
+  EXPECT_NE(complaint([&] { picture_frame(still, options); }).find("--view outlet"), std::string::npos);
+  EXPECT_NE(complaint([] {
+              picture_frame(Still{"empty", 0, {}, {}, {}}, {});
+            }).find("neither balls nor walls"),
+            std::string::npos);
 }
 
 TEST(Picture, is_rendered_and_joined_to_a_film_where_the_programs_are_there) {

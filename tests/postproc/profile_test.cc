@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/config/schema.h"
+#include "support/complaint.h"
 
 namespace drumsweep {
 namespace {
@@ -34,12 +35,8 @@ TEST(Profile, footprint_ends_at_the_edge_of_the_belt) {
 TEST(Profile, footprint_without_cells_is_refused_by_name) {
   BeltConfig belt;
   belt.outlet_begin_m = 2.0;
-  try {
-    footprint(belt_profile(40, 1.0), belt, 0.75, 7.5);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("belt.outlet_begin_m = 2"), std::string::npos) << error.what();
-  }
+  const std::string text = complaint([&] { footprint(belt_profile(40, 1.0), belt, 0.75, 7.5); });
+  EXPECT_NE(text.find("belt.outlet_begin_m = 2"), std::string::npos) << text;
 }
 
 TEST(Profile, mean_of_block_profiles_is_the_mean_profile) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/config/schema.h"
+#include "support/complaint.h"
 #include "tests/postproc/synthetic.h"
 
 namespace drumsweep {
@@ -27,13 +28,8 @@ class ResultFile : public testing::Test {
     return read_results_csv(folder_ / "results.csv");
   }
   /// What reading says about it.
-  std::string complaint(const std::string& content) {
-    try {
-      read(content);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  std::string refusal(const std::string& content) {
+    return complaint([&] { read(content); });
   }
 
   std::filesystem::path folder_;
@@ -97,18 +93,13 @@ TEST_F(ResultFile, reads_back_to_the_same_bits_and_text) {
 }
 
 TEST_F(ResultFile, missing_file_is_named) {
-  try {
-    read_results_csv(folder_ / "absent.csv");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("absent.csv"), std::string::npos);
-  }
+  EXPECT_NE(complaint([&] { read_results_csv(folder_ / "absent.csv"); }).find("absent.csv"), std::string::npos);
 }
 
 TEST_F(ResultFile, malformed_files_are_refused_with_file_line_and_reason) {
   const std::string good = "d1,coarse,done,0.1,0.048,0.001,,,,,,17000,0,,,,,00ff,\n";
   const auto expect = [&](const std::string& content, const std::string& where, const std::string& what) {
-    const std::string got = complaint(content);
+    const std::string got = refusal(content);
     EXPECT_NE(got.find("results.csv:" + where + ":"), std::string::npos) << got;
     EXPECT_NE(got.find(what), std::string::npos) << got;
   };

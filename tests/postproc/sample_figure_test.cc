@@ -114,8 +114,9 @@ TEST(SampleFigure, is_the_same_every_time_and_drawn_for_files_and_pages) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "NO GNUPLOT ON THIS MACHINE: the figures are NOT tested";
   const std::filesystem::path folder = scratch_folder("sample");
-  const std::vector<std::string> names = write_sample(striped_sample(), folder);
-  EXPECT_EQ(names.size(), 7u);
+  const SampleFiles files = write_sample(striped_sample(), folder);
+  EXPECT_EQ(files.names.size(), 7u);
+  EXPECT_EQ(files.no_picture, "");
   const std::string first = file_content(folder / "sample.png");
   EXPECT_GT(first.size(), 40000u);
   // The script draws the same picture from the tables.

@@ -7,6 +7,7 @@
 
 #include "core/config/schema.h"
 #include "core/scene/scene_value.h"
+#include "support/complaint.h"
 
 namespace drumsweep {
 
@@ -25,12 +26,7 @@ inline double value(const SceneResult& result, const std::string& name) {
 
 /// What is wrong with the text; empty where nothing is.
 inline std::string scene_error(const std::string& text) {
-  try {
-    parse_scene(text, "scene.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return complaint([&] { parse_scene(text, "scene.toml"); });
 }
 
 }  // namespace drumsweep

@@ -5,19 +5,11 @@
 #include <functional>
 
 #include "core/config/schema.h"
+#include "support/complaint.h"
 #include "tests/support/stored_designs.h"
 
 namespace drumsweep {
 namespace {
-
-std::string complaint(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(FindDesign, by_values_or_by_the_beginning_of_its_id) {
   const Study study = grid_study(3, 3);

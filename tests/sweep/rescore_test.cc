@@ -1,7 +1,6 @@
 #include "sweep/rescore.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +10,9 @@
 
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 #include "postproc/objective.h"
+#include "support/complaint.h"
 #include "support/stored_designs.h"
 
 namespace drumsweep {
@@ -27,23 +28,13 @@ class Rescore : public testing::Test {
     for (const PlannedDesign& design : plan_designs(study_).designs)
       write_recording(store.paths(), study_, design, made_up_recording(study_, 40 * number++, 900));
   }
-  ~Rescore() override { std::filesystem::remove_all(folder_); }
-
-  static std::string make_folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-test-XXXXXX").string();
-    return ::mkdtemp(pattern.data());
-  }
   std::string message_of(const KeyChanges& changes) const {
-    try {
-      rescore(folder_, {changes});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return complaint([&] { rescore(folder_, {changes}); });
   }
 
   Study study_ = grid_study(2, 3);
-  std::string folder_ = make_folder();
+  ScratchFolder scratch_;
+  std::string folder_ = scratch_.path;
 };
 
 TEST_F(Rescore, gives_what_evaluating_the_landings_with_the_changed_study_gives) {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/io/snapshot.h"
+#include "support/open_image.h"
 #include "support/small_drum.h"
 
 namespace drumsweep {
@@ -24,23 +25,6 @@ WarmState three_balls() {
   warm.finished = true;
   return warm;
 }
-
-/// Opens a sealed image as any program would that knows HDF5 only.
-struct OpenImage {
-  std::string bytes;
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
-  explicit OpenImage(std::string image) : bytes(std::move(image)) {
-    H5Pset_fapl_core(access, 1 << 20, false);
-    H5Pset_file_image(access, bytes.data(), bytes.size());
-    file = H5Fopen("image", H5F_ACC_RDONLY, access);
-  }
-  ~OpenImage() {
-    H5Fclose(file);
-    H5Pclose(access);
-  }
-  OpenImage(const OpenImage&) = delete;
-  OpenImage& operator=(const OpenImage&) = delete;
-};
 
 /// Type class and shape of an attribute or dataset, and its text where it is one.
 struct Seen {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/scene/scene_value.h"
+#include "support/complaint.h"
 
 namespace drumsweep {
 namespace {
@@ -73,19 +74,14 @@ TEST_P(Incline, result_depends_on_the_file_alone) {
 INSTANTIATE_TEST_SUITE_P(, Incline, testing::Values("nonsmooth", "smooth"));
 
 TEST(InclineKeys, what_the_scene_cannot_do_is_an_error_that_names_the_key) {
-  const auto complaint = [](const std::string& keys, const std::string& tables) -> std::string {
-    try {
-      incline(keys, tables);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& keys, const std::string& tables) -> std::string {
+    return complaint([&] { incline(keys, tables); });
   };
-  EXPECT_NE(complaint("", "[effects]\nsize_spread = 0.1\n").find("effects.size_spread = 0.1"), std::string::npos);
-  EXPECT_NE(complaint("stack = \"pyramid\"\nspeed_m_s = 1.0", "").find("scene.speed_m_s = 1"), std::string::npos);
-  EXPECT_NE(complaint("duration_s = 0.1", "").find("scene.fit_from_s"), std::string::npos);
-  EXPECT_NE(complaint("angle_deg = 200.0", "").find("scene.angle_deg"), std::string::npos);
-  EXPECT_NE(complaint("angel_deg = 20.0", "").find("did you mean"), std::string::npos);
+  EXPECT_NE(refusal("", "[effects]\nsize_spread = 0.1\n").find("effects.size_spread = 0.1"), std::string::npos);
+  EXPECT_NE(refusal("stack = \"pyramid\"\nspeed_m_s = 1.0", "").find("scene.speed_m_s = 1"), std::string::npos);
+  EXPECT_NE(refusal("duration_s = 0.1", "").find("scene.fit_from_s"), std::string::npos);
+  EXPECT_NE(refusal("angle_deg = 200.0", "").find("scene.angle_deg"), std::string::npos);
+  EXPECT_NE(refusal("angel_deg = 20.0", "").find("did you mean"), std::string::npos);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/complaint.h"
+
 namespace drumsweep {
 namespace {
 
@@ -65,12 +67,7 @@ TEST(PackingOfRoughBalls, rough_balls_fill_between_loose_and_dense_random_packin
 }
 
 TEST(PackingOfRoughBalls, box_narrower_than_its_balls_is_an_error_that_names_the_key) {
-  try {
-    packing("periodic = true\nnum_balls = 10", "", 0.03);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("depth_m"), std::string::npos);
-  }
+  EXPECT_NE(complaint([] { packing("periodic = true\nnum_balls = 10", "", 0.03); }).find("depth_m"), std::string::npos);
 }
 
 }  // namespace

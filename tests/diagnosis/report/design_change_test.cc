@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "core/config/schema.h"
+#include "postproc/child_process.h"
 #include "postproc/result_table.h"
 
 namespace drumsweep {
@@ -34,18 +34,36 @@ void write_sweep(const std::string& folder, double best, const std::string& name
 }  // namespace
 
 TEST(DesignChange, optimum_and_regret_are_those_of_two_valleys) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-change-XXXXXX").string();
-  const std::string folder = ::mkdtemp(pattern.data());
+  const ScratchFolder scratch;
+  const std::string& folder = scratch.path;
   write_sweep(folder + "/before", 0.040);
   write_sweep(folder + "/after", 0.050);
-  const DesignChange change = change_of_design(folder + "/before", folder + "/after", 1);
+  const DesignChange change = change_of_design(folder + "/before", {folder + "/after"}, 1);
   EXPECT_NEAR(change.before.at[0], 0.040, 0.001);
-  EXPECT_NEAR(change.after.at[0], 0.050, 0.001);
-  EXPECT_NEAR(change.regret_m, 20 * 1e-4, 3e-4);
-  EXPECT_GT(change.spread, 3);
+  ASSERT_EQ(change.members.size(), 1u);
+  EXPECT_NEAR(change.members[0].after.at[0], 0.050, 0.001);
+  EXPECT_NEAR(change.members[0].of_old.f_m, 20 * 1e-4, 3e-4);
+  EXPECT_GT(change.members[0].spread, 3);
   write_sweep(folder + "/other", 0.050, "opening_angle_deg");
-  EXPECT_THROW(change_of_design(folder + "/before", folder + "/other", 1), InputError);
-  std::filesystem::remove_all(folder);
+  EXPECT_THROW(change_of_design(folder + "/before", {folder + "/other"}, 1), InputError);
+}
+
+TEST(DesignChange, members_of_a_set_agree_where_one_design_is_best_for_all) {
+  const ScratchFolder scratch;
+  const std::string& folder = scratch.path;
+  write_sweep(folder + "/before", 0.040);
+  write_sweep(folder + "/a", 0.0500);
+  write_sweep(folder + "/b", 0.0505);
+  write_sweep(folder + "/c", 0.0350);
+  const DesignChange same = change_of_design(folder + "/before", {folder + "/a", folder + "/b"}, 1);
+  EXPECT_TRUE(same.agree());
+  EXPECT_LT(same.apart, 2);
+  const DesignChange other = change_of_design(folder + "/before", {folder + "/a", folder + "/b", folder + "/c"}, 1);
+  EXPECT_FALSE(other.agree());
+  EXPECT_GT(other.apart, 3);
+  // Its own optimum costs nothing; that of a where c is the truth, 20 (0.015)^2.
+  EXPECT_EQ(other.regret[0][0].f_m, 0);
+  EXPECT_NEAR(other.regret[0][2].f_m, 20 * 0.015 * 0.015, 6e-4);
 }
 
 }  // namespace drumsweep

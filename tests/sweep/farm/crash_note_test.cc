@@ -11,17 +11,14 @@
 #include <optional>
 #include <utility>
 
+#include "postproc/child_process.h"
+
 namespace drumsweep {
 namespace {
 
 struct CrashNoteTest : testing::Test {
-  std::string folder, path;
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-crash-XXXXXX").string();
-    folder = ::mkdtemp(pattern.data());
-    path = folder + "/x.crashed";
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path, path = folder + "/x.crashed";
 
   /// A child process that dies of this signal. @return the signal that it died of
   int crash(int number, bool armed) const {

@@ -1,25 +1,25 @@
 #include "sweep/farm/design_run.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "core/config/toml_reader.h"
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 #include "sweep/stop.h"
 
 namespace drumsweep {
 namespace {
 
 struct DesignRunTest : testing::Test {
-  std::string folder;
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path;
   OutputPaths paths;
   Study study;
   Plan plan;
   void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-run-XXXXXX").string();
-    folder = paths.folder = ::mkdtemp(pattern.data());
+    paths.folder = folder;
     make_folder(paths.designs());
     // A small drum without feed: nothing to compute. The second design is impossible.
     study = parse_study(R"(
@@ -34,7 +34,6 @@ variables = [ { key = "outlet.base_width_m", from = 0.03, to = 1, count = 2 } ]
                         "test");
     plan = plan_designs(study);
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 };
 
 TEST_F(DesignRunTest, done_means_that_the_recording_is_there) {

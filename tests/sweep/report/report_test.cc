@@ -1,7 +1,6 @@
 #include "sweep/report/report.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,6 +8,7 @@
 
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 #include "support/stored_designs.h"
 #include "sweep/store/provenance.h"
 #include "sweep/store/results.h"
@@ -39,15 +39,13 @@ class Folder {
     }
     if (num_done > 0) write_durably(store.paths().results(), to_csv(table));
   }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
   std::string html() const { return make_report(path, {false}).html; }
-  const std::string path = [] {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-test-XXXXXX").string();
-    return std::string(::mkdtemp(pattern.data()));
-  }();
+
+ private:
+  const ScratchFolder scratch_;
+
+ public:
+  const std::string path = scratch_.path;
 };
 
 bool has(const std::string& html, const std::string& text) { return html.find(text) != std::string::npos; }
@@ -113,6 +111,22 @@ TEST(Report, failed_and_untrusted_designs_have_their_reasons) {
   const std::string untrusted = Folder(grid_study(2, 2), 4, 0).html();
   EXPECT_TRUE(has(untrusted, "untrusted: nothing landed"));
   EXPECT_TRUE(has(untrusted, "not to be trusted"));
+}
+
+TEST(Report, a_recording_that_cannot_be_read_is_named) {
+  const Study study = grid_study(2, 3);
+  const Folder folder(study, 6);
+  const ResultTable table = read_results_csv(folder.path + "/results.csv");
+  for (const ResultRow& row : table.rows)
+    std::ofstream(OutputPaths{folder.path}.recording(row.design_id), std::ios::binary) << "torn";
+  const Report report = make_report(folder.path, {false});
+  const std::size_t named = report.html.find("cannot be read");
+  ASSERT_NE(named, std::string::npos);
+  EXPECT_TRUE(std::any_of(table.rows.begin(), table.rows.end(), [&](const ResultRow& row) {
+    return has(report.html, "The landings of design <code>" + row.design_id + "</code> cannot be read");
+  }));
+  EXPECT_TRUE(std::any_of(report.notes.begin(), report.notes.end(),
+                          [](const std::string& note) { return has(note, "cannot be shown"); }));
 }
 
 TEST(Report, two_thousand_rows_stay_below_five_megabytes) {

@@ -2,23 +2,19 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 
+#include "postproc/child_process.h"
+
 namespace drumsweep {
 namespace {
 
 struct LockTest : testing::Test {
-  std::string folder, path;
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-lock-XXXXXX").string();
-    folder = ::mkdtemp(pattern.data());
-    path = folder + "/lock";
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path, path = folder + "/lock";
 };
 
 TEST_F(LockTest, the_second_is_refused_and_told_who_holds_it) {

@@ -1,25 +1,20 @@
 #include "sweep/store/provenance.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 
 namespace drumsweep {
 namespace {
 
 struct ProvenanceTest : testing::Test {
-  std::string folder, path;
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-provenance-XXXXXX").string();
-    folder = ::mkdtemp(pattern.data());
-    path = folder + "/provenance.csv";
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path, path = folder + "/provenance.csv";
 };
 
 TEST_F(ProvenanceTest, lines_come_back_and_attempts_are_counted_over_runs) {

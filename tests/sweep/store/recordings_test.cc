@@ -1,11 +1,11 @@
 #include "sweep/store/recordings.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 #include "support/stored_designs.h"
 
 namespace drumsweep {
@@ -15,20 +15,18 @@ namespace fs = std::filesystem;
 
 /// Twelve finished designs.
 struct RecordingsTest : testing::Test {
-  std::string folder;
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path;
   Study study = grid_study(3, 4);
   Plan plan = plan_designs(study);
   OutputPaths paths;
   PackingRules small{4, 4, 64u << 20u, 10};
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "drumsweep-packs-XXXXXX").string();
-    folder = ::mkdtemp(pattern.data());
     paths.folder = folder;
     make_folder(paths.designs());
     for (std::uint32_t i = 0; i < plan.designs.size(); ++i)
       write_recording(paths, study, plan.designs[i], made_up_recording(study, i, 50));
   }
-  void TearDown() override { fs::remove_all(folder); }
 
   /// Every design reads as it was written, through an index as the next process makes it.
   void expect_all() {

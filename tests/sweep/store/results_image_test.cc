@@ -1,11 +1,11 @@
 #include "sweep/store/results_image.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 #include "support/stored_designs.h"
 #include "sweep/store/results.h"
 
@@ -15,18 +15,17 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ResultsImageTest : testing::Test {
-  std::string folder;
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path;
   Study study = grid_study(3, 2);
   Plan plan = plan_designs(study);
   OutputPaths paths;
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "drumsweep-image-XXXXXX").string();
-    folder = paths.folder = ::mkdtemp(pattern.data());
+    paths.folder = folder;
     make_folder(paths.designs());
     for (std::uint32_t i = 0; i < plan.designs.size(); ++i)
       write_recording(paths, study, plan.designs[i], made_up_recording(study, i, 500));
   }
-  void TearDown() override { fs::remove_all(folder); }
 
   /// The table as a run makes it, and results.h5 with it.
   ResultTable write_image(RecordingIndex& index, bool steady = true) const {

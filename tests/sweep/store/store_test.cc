@@ -1,7 +1,6 @@
 #include "sweep/store/store.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -9,6 +8,7 @@
 
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 
 namespace drumsweep {
 namespace {
@@ -16,16 +16,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct StoreTest : testing::Test {
-  std::string folder;
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path / "out";
   Study study;
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "drumsweep-store-XXXXXX").string();
-    folder = ::mkdtemp(pattern.data());
-    folder += "/out";
     study.outlet.opening_angle_deg = 1;
     study.stages = {{"s", "grid", {{"outlet.base_width_m", 0.04, 0.05, 2, {}}}}};
   }
-  void TearDown() override { fs::remove_all(fs::path(folder).parent_path()); }
 
   void put(const std::string& name, const std::string& text) {
     std::ofstream(folder + "/" + name, std::ios::binary) << text;
