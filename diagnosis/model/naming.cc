@@ -65,6 +65,21 @@ std::vector<Contender> all_pairs(const Inquiry& in) {
   return list;
 }
 
+/// Sum over the data of the emulator's part of the variance.
+double part_of_emulator(const Contender& c) {
+  double sum = 0;
+  for (const double lambda : c.model.space->lambda) sum += c.fit.v * lambda / (1 + c.fit.v * lambda);
+  return sum;
+}
+
+/// As rival_rise, between models that may have runs of their own: these have errors of their own, and Q - Q' scatters by 2 D and by
+/// s^2 = 4 (sum of both parts). A wrong unique name stays below 2.5 % at any D for c = max_D (1.96 sqrt(4 D^2 + s^2) - D^2).
+double rise_between(const Contender& a, const Contender& b) {
+  if (a.model.space == b.model.space) return rival_rise;
+  const double squared = 4 * (part_of_emulator(a) + part_of_emulator(b));
+  return squared < 4 * rival_rise ? rival_rise + squared / 4 : std::sqrt(rival_rise * squared);
+}
+
 bool is_adequate(const Inquiry& in, const Contender& c) {
   std::vector<double> draws;
   for (int b = 0; b < in.options.adequate_bootstraps; ++b) {
@@ -77,15 +92,15 @@ bool is_adequate(const Inquiry& in, const Contender& c) {
 
 /// Finds the adequate ones. @return whether there is any
 bool find_adequate(const Inquiry& in, std::vector<Contender>& list) {
+  if (list.empty()) return false;
   // The evidence decides who is worth a bootstrap.
-  double best = -infinity, least_q = infinity;
-  for (const Contender& c : list) {
-    best = std::max(best, c.log_weight);
-    least_q = std::min(least_q, c.fit.q);
-  }
+  const auto less_q = [](const Contender& a, const Contender& b) { return a.fit.q < b.fit.q; };
+  const auto less_weight = [](const Contender& a, const Contender& b) { return a.log_weight < b.log_weight; };
+  const Contender& nearest = *std::min_element(list.begin(), list.end(), less_q);
+  const double best = std::max_element(list.begin(), list.end(), less_weight)->log_weight;
   bool any = false;
   for (Contender& c : list) {
-    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < least_q + rival_rise;
+    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < nearest.fit.q + rise_between(c, nearest);
     c.adequate = in_reach && is_adequate(in, c);
     any = any || c.adequate;
   }
@@ -140,17 +155,29 @@ void keep_adequate(std::vector<Contender>& list) {
             [](const Contender& a, const Contender& b) { return a.log_weight > b.log_weight; });
 }
 
+/// Whether c is as good an explanation as the nearest. The campaign's errors are common to both: where it cannot tell them apart, two second
+/// waves with errors of their own do so only clearly.
+bool is_near(const Inquiry& in, const Contender& c, const Contender& nearest) {
+  const double rise = c.fit.q - nearest.fit.q;
+  if (rise < rise_between(c, nearest)) return true;
+  if (c.model.space == nearest.model.space || rise > twin_rise) return false;
+  const auto campaign_q = [&](const std::vector<int>& effects) {
+    const SubModel m = in.campaign_model(effects);
+    return fit_model(m, in.seen_by(m), in.centre, true).q;
+  };
+  return campaign_q(c.fit.effects) < campaign_q(nearest.fit.effects) + rival_rise;
+}
+
 /// The credible set, and whoever lies near the best.
 std::vector<Explanation> members_of_set(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list) {
-  double total = 0, least_q = infinity, reached = 0;
-  for (const Contender& c : list) {
-    total += std::exp(c.log_weight - list.front().log_weight);
-    least_q = std::min(least_q, c.fit.q);
-  }
+  const Contender& nearest = *std::min_element(
+      list.begin(), list.end(), [](const Contender& a, const Contender& b) { return a.fit.q < b.fit.q; });
+  double total = 0, reached = 0;
+  for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
   std::vector<Explanation> members;
   for (const Contender& c : list) {
     const double weight = std::exp(c.log_weight - list.front().log_weight) / total;
-    if (reached < credible || c.fit.q < least_q + rival_rise) members.push_back(explanation(in, misfit, c, weight));
+    if (reached < credible || is_near(in, c, nearest)) members.push_back(explanation(in, misfit, c, weight));
     reached += weight;
   }
   return members;
