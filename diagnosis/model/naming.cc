@@ -65,21 +65,6 @@ std::vector<Contender> all_pairs(const Inquiry& in) {
   return list;
 }
 
-/// Sum over the data of the emulator's part of the variance.
-double part_of_emulator(const Contender& c) {
-  double sum = 0;
-  for (const double lambda : c.model.space->lambda) sum += c.fit.v * lambda / (1 + c.fit.v * lambda);
-  return sum;
-}
-
-/// As rival_rise, between models that may have runs of their own: these have errors of their own, and Q - Q' scatters by 2 D and by
-/// s^2 = 4 (sum of both parts). A wrong unique name stays below 2.5 % at any D for c = max_D (1.96 sqrt(4 D^2 + s^2) - D^2).
-double rise_between(const Contender& a, const Contender& b) {
-  if (a.model.space == b.model.space) return rival_rise;
-  const double squared = 4 * (part_of_emulator(a) + part_of_emulator(b));
-  return squared < 4 * rival_rise ? rival_rise + squared / 4 : std::sqrt(rival_rise * squared);
-}
-
 bool is_adequate(const Inquiry& in, const Contender& c) {
   std::vector<double> draws;
   for (int b = 0; b < in.options.adequate_bootstraps; ++b) {
@@ -100,7 +85,7 @@ bool find_adequate(const Inquiry& in, std::vector<Contender>& list) {
   const double best = std::max_element(list.begin(), list.end(), less_weight)->log_weight;
   bool any = false;
   for (Contender& c : list) {
-    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < nearest.fit.q + rise_between(c, nearest);
+    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < nearest.fit.q + rival_rise;
     c.adequate = in_reach && is_adequate(in, c);
     any = any || c.adequate;
   }
@@ -159,7 +144,7 @@ void keep_adequate(std::vector<Contender>& list) {
 /// waves with errors of their own do so only clearly.
 bool is_near(const Inquiry& in, const Contender& c, const Contender& nearest) {
   const double rise = c.fit.q - nearest.fit.q;
-  if (rise < rise_between(c, nearest)) return true;
+  if (rise < rival_rise) return true;
   if (c.model.space == nearest.model.space || rise > twin_rise) return false;
   const auto campaign_q = [&](const std::vector<int>& effects) {
     const SubModel m = in.campaign_model(effects);
@@ -212,9 +197,11 @@ double twin_distance(const FitSpace& space, double v) {
 /// Confounding is declared, not fitted away: whoever cannot be told from a member is a member.
 /// @param list  the contenders, best first
 void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list, Naming& out) {
-  double total = 0;
+  double total = 0, least_q = infinity;
   for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
-  for (std::size_t i = 0; i < out.causes.size(); ++i)
+  for (const Explanation& e : out.causes) least_q = std::min(least_q, e.q);
+  const std::size_t num_members = out.causes.size();  // a twin's twin is none of the first one's
+  for (std::size_t i = 0; i < num_members; ++i)
     for (std::size_t k = 0; k < out.causes[i].fit.effects.size(); ++k)
       for (int j = 0; j < in.num_effects; ++j) {
         const ModelFit fit = out.causes[i].fit;
@@ -229,7 +216,7 @@ void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Conten
           continue;
         const Contender twin = contender(in, effects);
         // Not a twin that has vanished in the fit, nor one that the data hold against all the same.
-        if (least_strength(twin) < nothing || twin.fit.q > out.causes[i].fit.q + twin_rise) continue;
+        if (least_strength(twin) < nothing || twin.fit.q > least_q + twin_rise) continue;
         std::erase_if(out.refused, [&](const Explanation& e) { return e.fit.effects == effects; });
         const double weight = total > 0 ? std::exp(twin.log_weight - list.front().log_weight) / total : 0;
         out.causes.push_back(explanation(in, misfit, twin, weight));
