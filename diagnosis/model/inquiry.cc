@@ -40,18 +40,17 @@ Inquiry::Inquiry(const Problem& the_problem, const Emulator& the_emulator, const
   centre = Eigen::VectorXd::Zero(emulator.num_parameters());
   for (const LocalRuns& runs : second_wave)
     if (runs.x.rows() >= fewest_local_runs(runs.centre)) corrections_.push_back(local_correction(emulator, runs));
-  if (!corrections_.empty()) {
-    Eigen::VectorXd noise = Eigen::VectorXd::Zero(problem.num_data());
-    for (const LocalCorrection& c : corrections_)
-      noise += c.noise->diagonal() / static_cast<double>(corrections_.size());
-    lack_of_fit = (emulator.noise().diagonal() - noise).cwiseMax(0);
-  }
+  pool_noise(corrections_);
+  if (!corrections_.empty())
+    lack_of_fit = (emulator.noise().diagonal() - corrections_.front().noise->diagonal()).cwiseMax(0);
   const FitOptions fit_options{.with_simulation_noise = !options.mutation.drop_simulation_noise};
   const Eigen::MatrixXd errors = covariance(fitted, fitted);
   const auto campaign_noise = emulator.of_model({}).noise;
   spaces_.emplace_back(campaign_noise, make_fit_space(*campaign_noise, fitted, errors, fit_options, lack_of_fit));
-  for (const LocalCorrection& c : corrections_)
-    spaces_.emplace_back(c.noise, make_fit_space(*c.noise, fitted, errors, fit_options));
+  if (!corrections_.empty()) {
+    const auto& noise = corrections_.front().noise;
+    spaces_.emplace_back(noise, make_fit_space(*noise, fitted, errors, fit_options));
+  }
   plain_emulator = emulator.of_model({});
   plain_model = viewed(plain_emulator);
   for (int k = 0; k < num_effects; ++k) single_models.push_back(campaign_model({k}));

@@ -48,6 +48,7 @@ class Inquiry {
   SubModel plain_model;
   std::vector<SubModel> single_models;
 
+  bool has_second_wave() const { return !corrections_.empty(); }
   bool listed(int effect) const { return problem.effects[static_cast<std::size_t>(effect)].listed; }
   /// With what the second wave says of this very model, which then stays near where that looked.
   ModelEmulator emulator_of(const std::vector<int>& effects) const;
@@ -73,7 +74,7 @@ class Inquiry {
   SubModel viewed(const ModelEmulator& of) const;
   const LocalCorrection* correction_of(const std::vector<int>& effects) const;
 
-  /// The campaign's noise first, then that of each correction.
+  /// The campaign's noise first, then that of the second wave.
   std::vector<std::pair<std::shared_ptr<const Eigen::MatrixXd>, std::shared_ptr<const FitSpace>>> spaces_;
   std::vector<LocalCorrection> corrections_;
 };

@@ -145,7 +145,7 @@ void keep_adequate(std::vector<Contender>& list) {
 bool is_near(const Inquiry& in, const Contender& c, const Contender& nearest) {
   const double rise = c.fit.q - nearest.fit.q;
   if (rise < rival_rise) return true;
-  if (c.model.space == nearest.model.space || rise > twin_rise) return false;
+  if (!in.has_second_wave() || rise > twin_rise) return false;
   const auto campaign_q = [&](const std::vector<int>& effects) {
     const SubModel m = in.campaign_model(effects);
     return fit_model(m, in.seen_by(m), in.centre, true).q;

@@ -20,7 +20,7 @@ Eigen::MatrixXd without_tangent(const Eigen::VectorXd& x) {
 
 }  // namespace
 
-Index fewest_local_runs(const LocalCentre& centre) { return 3 * (1 + centre.x.size()); }
+Index fewest_local_runs(const LocalCentre& centre) { return 5 * (1 + centre.x.size()); }
 
 LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs) {
   const Index num = runs.x.rows(), n = runs.centre.x.size();
@@ -40,11 +40,24 @@ LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs
   }
   LocalCorrection out;
   out.centre = runs.centre;
+  out.degrees_of_freedom = num - 1 - n;
   out.coefficients = transposed_product(t, fit.coefficients);
   out.a = transposed_product(t, product(fit.inverse_information, t));
-  out.noise =
-      std::make_shared<const Eigen::MatrixXd>(shrunk_covariance(off - product(g, fit.coefficients), num - 1 - n));
+  out.noise = std::make_shared<const Eigen::MatrixXd>(
+      shrunk_covariance(off - product(g, fit.coefficients), out.degrees_of_freedom));
   return out;
+}
+
+void pool_noise(std::vector<LocalCorrection>& corrections) {
+  if (corrections.empty()) return;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(corrections.front().noise->rows(), corrections.front().noise->cols());
+  double num = 0;
+  for (const LocalCorrection& c : corrections) {
+    sum += static_cast<double>(c.degrees_of_freedom) * *c.noise;
+    num += static_cast<double>(c.degrees_of_freedom);
+  }
+  const auto pooled = std::make_shared<const Eigen::MatrixXd>(sum / num);
+  for (LocalCorrection& c : corrections) c.noise = pooled;
 }
 
 double largest_shift(const LocalCorrection& correction) {

@@ -31,7 +31,10 @@ struct LocalCorrection {
   Eigen::MatrixXd coefficients;  ///< of (1, x) (1 + dimensions x outputs), in units of the scale
   Eigen::MatrixXd a;             ///< of (1, x)
   std::shared_ptr<const Eigen::MatrixXd> noise;
+  Eigen::Index degrees_of_freedom = 0;  ///< of the noise
 };
+/// The noise of all boxes together, which each then has: that of one box alone is too uncertain to divide by.
+void pool_noise(std::vector<LocalCorrection>& corrections);
 /// Fewest runs in a box that a correction is made of.
 Eigen::Index fewest_local_runs(const LocalCentre& centre);
 LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs);
