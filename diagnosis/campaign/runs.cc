@@ -380,14 +380,12 @@ void serve_campaign(Farm& farm, int threads) {
 
 namespace {
 
-/// Round the plain model and three pairs.
+/// Round three pairs.
 std::size_t most_local_runs(const Campaign& campaign) {
   if (campaign.second_wave == 0) return 0;
-  const auto runs_of = [&](std::size_t num_effects) {
-    const auto dimensions = static_cast<Index>(campaign.parameters.size() + num_effects);
-    return num_local_runs(campaign, {{}, Eigen::VectorXd::Zero(dimensions), Eigen::VectorXd::Ones(dimensions)});
-  };
-  return runs_of(0) + 3 * runs_of(std::min<std::size_t>(2, campaign.candidates.size()));
+  const auto dimensions =
+      static_cast<Index>(campaign.parameters.size() + std::min<std::size_t>(2, campaign.candidates.size()));
+  return 3 * num_local_runs(campaign, {{}, Eigen::VectorXd::Zero(dimensions), Eigen::VectorXd::Ones(dimensions)});
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::vector<std::string> second_wave_notes(const Problem& problem, const Emulato
   for (const LocalRuns& box : boxes) {
     std::vector<std::string> effects;
     for (const int k : box.centre.effects) effects.push_back(problem.effects[static_cast<std::size_t>(k)].id);
-    const std::string round = effects.empty() ? "the plain model" : fmt::format("{}", fmt::join(effects, " and "));
+    const std::string round = fmt::format("{}", fmt::join(effects, " and "));
     if (box.x.rows() < fewest_local_runs(box.centre))
       out.push_back(
           fmt::format("second wave: only {} of the runs round {} gave all numbers, too few to correct anything",

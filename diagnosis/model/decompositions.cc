@@ -1,6 +1,7 @@
 /// The part of linear_algebra.h that decomposes matrices; a source of its own for the time it takes to compile.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <vector>
 
 #include "diagnosis/model/linear_algebra.h"
 
@@ -41,11 +42,16 @@ SimultaneousDiagonal diagonalise_together(const MatrixXd& a, const MatrixXd& b) 
 
 LeastSquares least_squares(const MatrixXd& f, const MatrixXd& y) {
   LeastSquares out;
-  const MatrixXd information = transposed_product(f, f);
+  MatrixXd information = transposed_product(f, f);
+  std::vector<Index> unseen;
+  for (Index j = 0; j < f.cols(); ++j)
+    if (information(j, j) == 0) unseen.push_back(j);
+  for (const Index j : unseen) information(j, j) = 1;
   const Eigen::LLT<MatrixXd> llt(information);
   out.regular = llt.info() == Eigen::Success && llt.rcond() >= 1e-12;
   if (!out.regular) return out;
   out.inverse_information = inverse_symmetric(information);
+  for (const Index j : unseen) out.inverse_information(j, j) = 0;
   out.coefficients = product(out.inverse_information, transposed_product(f, y));
   return out;
 }

@@ -34,7 +34,7 @@ Point look(const SubModel& model, const Eigen::VectorXd& z, const Eigen::VectorX
     ds_dv += lambda / variance - square * lambda / (variance * variance);
   }
   at.chi2 += off.squaredNorm();
-  at.s += at.chi2;
+  at.s += at.chi2 + model.space->log_scale;
   if (!slopes) return at;
 
   const Eigen::MatrixXd slope = feature_slopes(x);
@@ -87,9 +87,15 @@ Eigen::VectorXd minimise(const SubModel& model, const Eigen::VectorXd& z, const 
 }  // namespace
 
 std::shared_ptr<const FitSpace> make_fit_space(const Eigen::MatrixXd& noise, const std::vector<Eigen::Index>& outputs,
-                                               const Eigen::MatrixXd& covariance, const FitOptions& options) {
+                                               const Eigen::MatrixXd& measured, const FitOptions& options,
+                                               const Eigen::VectorXd& lack_of_fit) {
   FitSpace space;
   space.outputs = outputs;
+  Eigen::MatrixXd covariance = measured;
+  if (lack_of_fit.size() > 0) {
+    covariance.diagonal() += lack_of_fit(outputs);
+    space.log_scale = log_determinant_symmetric(covariance) - log_determinant_symmetric(measured);
+  }
   // V^T covariance V = 1, V^T noise V = lambda.
   const auto [vectors, values] = diagonalise_together(noise(outputs, outputs), covariance);
   space.to_rotated = vectors.transpose();

@@ -20,15 +20,18 @@ struct FitSpace {
   Eigen::MatrixXd to_rotated;  ///< z = to_rotated y (outputs x outputs), y in units of the scale
   Eigen::MatrixXd to_plain;    ///< its inverse
   Eigen::VectorXd lambda;      ///< variance of the simulation noise in each coordinate
+  double log_scale = 0;        ///< ln det of covariance and lack of fit over that of the covariance; part of S
 };
 
 struct FitOptions {
   bool with_simulation_noise = true;  ///< false only in tests that must fail
 };
 
-/// @param noise  of the simulation (all outputs)  @param covariance  of the measurements of `outputs`; both in units of the scale
+/// @param noise  of the simulation (all outputs)  @param covariance  of the measurements of `outputs`
+/// @param lack_of_fit  variance by which the emulator is off however many runs it has (all outputs), or empty; all in units of the scale
 std::shared_ptr<const FitSpace> make_fit_space(const Eigen::MatrixXd& noise, const std::vector<Eigen::Index>& outputs,
-                                               const Eigen::MatrixXd& covariance, const FitOptions& options = {});
+                                               const Eigen::MatrixXd& covariance, const FitOptions& options = {},
+                                               const Eigen::VectorXd& lack_of_fit = {});
 
 /// One model: the parameters and some effects; all others are off.
 struct SubModel {

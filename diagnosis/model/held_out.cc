@@ -20,9 +20,8 @@ Prediction prediction(const Inquiry& in, const ModelFit& fit, const std::vector<
   const ModelEmulator emulator = in.emulator_of(fit.effects);
   const Eigen::MatrixXd c = emulator.coefficients(Eigen::all, outputs);
   const Eigen::MatrixXd slope = transposed_product(c, feature_slopes(fit.x));
-  return {
-      transposed_times(c, features_of(fit.x)),
-      in.covariance(outputs, outputs) + fit.v * (*emulator.noise)(outputs, outputs) + congruence(slope, fit.spread)};
+  return {transposed_times(c, features_of(fit.x)),
+          in.predictive_covariance(emulator, fit.v, outputs) + congruence(slope, fit.spread)};
 }
 
 /// Of the measured values; and their chi^2.

@@ -11,6 +11,8 @@ namespace {
 
 using Index = Eigen::Index;
 
+constexpr double reach_of_tangent = 2;  // half widths of a box
+
 Eigen::MatrixXd scaled_covariance(const Problem& problem, const Emulator& emulator, const Mutation& mutation) {
   Eigen::MatrixXd covariance = problem.measurement_covariance();
   for (Index i = 0; i < covariance.rows(); ++i)
@@ -36,38 +38,58 @@ Inquiry::Inquiry(const Problem& the_problem, const Emulator& the_emulator, const
   for (Index i = 0; i < problem.num_data(); ++i)
     measured[i] = problem.data[static_cast<std::size_t>(i)].value / emulator.scale()[i];
   centre = Eigen::VectorXd::Zero(emulator.num_parameters());
-  const auto add_space = [&](const std::shared_ptr<const Eigen::MatrixXd>& noise) {
-    spaces_.emplace_back(noise, make_fit_space(*noise, fitted, covariance(fitted, fitted),
-                                               {.with_simulation_noise = !options.mutation.drop_simulation_noise}));
-  };
-  add_space(emulator.of_model({}).noise);
-  const LocalCorrection* of_plain = nullptr;
-  corrections_.reserve(second_wave.size());
-  for (const LocalRuns& runs : second_wave) {
-    if (runs.x.rows() < fewest_local_runs(runs.centre)) continue;
-    corrections_.push_back(local_correction(emulator, runs));
-    add_space(corrections_.back().noise);
-    if (runs.centre.effects.empty()) of_plain = &corrections_.back();
+  for (const LocalRuns& runs : second_wave)
+    if (runs.x.rows() >= fewest_local_runs(runs.centre)) corrections_.push_back(local_correction(emulator, runs));
+  pool_noise(corrections_);
+  if (!corrections_.empty())
+    lack_of_fit = (emulator.noise().diagonal() - corrections_.front().noise->diagonal()).cwiseMax(0);
+  const FitOptions fit_options{.with_simulation_noise = !options.mutation.drop_simulation_noise};
+  const Eigen::MatrixXd errors = covariance(fitted, fitted);
+  const auto campaign_noise = emulator.of_model({}).noise;
+  spaces_.emplace_back(campaign_noise, make_fit_space(*campaign_noise, fitted, errors, fit_options, lack_of_fit));
+  if (!corrections_.empty()) {
+    const auto& noise = corrections_.front().noise;
+    spaces_.emplace_back(noise, make_fit_space(*noise, fitted, errors, fit_options));
   }
-  plain_emulator = emulator_of({});
+  plain_emulator = emulator.of_model({});
   plain_model = viewed(plain_emulator);
-  for (int k = 0; k < num_effects; ++k) {
-    const ModelEmulator single = emulator.of_model({k});
-    single_models.push_back(viewed(of_plain != nullptr ? corrected(single, *of_plain) : single));
-  }
+  for (int k = 0; k < num_effects; ++k) single_models.push_back(campaign_model({k}));
+}
+
+const LocalCorrection* Inquiry::correction_of(const std::vector<int>& effects) const {
+  for (const LocalCorrection& correction : corrections_)
+    if (correction.centre.effects == effects) return &correction;
+  return nullptr;
 }
 
 ModelEmulator Inquiry::emulator_of(const std::vector<int>& effects) const {
+  const LocalCorrection* correction = correction_of(effects);
   const ModelEmulator plain = emulator.of_model(effects);
-  for (const LocalCorrection& correction : corrections_)
-    if (correction.centre.effects == effects) return corrected(plain, correction);
-  return plain;
+  return correction != nullptr ? corrected(plain, *correction) : plain;
+}
+
+SubModel Inquiry::model(const std::vector<int>& effects) const {
+  SubModel out = viewed(emulator_of(effects));
+  if (const LocalCorrection* correction = correction_of(effects)) {
+    // Where a tangent is not followed any more, large errors would make anything fit.
+    const LocalCentre& box = correction->centre;
+    out.low = out.low.cwiseMax(box.x - reach_of_tangent * box.half_width);
+    out.high = out.high.cwiseMin(box.x + reach_of_tangent * box.half_width);
+  }
+  return out;
 }
 
 SubModel Inquiry::viewed(const ModelEmulator& of) const {
   for (const auto& [noise, space] : spaces_)
     if (noise == of.noise) return make_sub_model(of, space, problem);
   throw std::logic_error("a model with a noise that no part of the campaign has");
+}
+
+Eigen::MatrixXd Inquiry::predictive_covariance(const ModelEmulator& of, double v,
+                                               const std::vector<Index>& outputs) const {
+  Eigen::MatrixXd out = covariance(outputs, outputs) + v * (*of.noise)(outputs, outputs);
+  if (lack_of_fit.size() > 0 && of.noise == spaces_.front().first) out.diagonal() += lack_of_fit(outputs);
+  return out;
 }
 
 std::shared_ptr<const FitSpace> Inquiry::space_of(const std::vector<Index>& outputs,

@@ -41,14 +41,21 @@ class Inquiry {
   std::vector<Eigen::Index> fitted;  ///< data that are fitted
   Eigen::VectorXd measured;          ///< (all data), in units of the scale
   Eigen::VectorXd centre;            ///< of the bench priors: 0
+  /// Variance by which the campaign's emulator is off whatever the number of its runs (all data): what its residuals have more than
+  /// those of the second wave. Empty without one; models with runs of their own do without it.
+  Eigen::VectorXd lack_of_fit;
   ModelEmulator plain_emulator;
   SubModel plain_model;
-  std::vector<SubModel> single_models;  ///< that turn into plain_model where their effect is off
+  std::vector<SubModel> single_models;
 
+  bool has_second_wave() const { return !corrections_.empty(); }
   bool listed(int effect) const { return problem.effects[static_cast<std::size_t>(effect)].listed; }
-  /// With what the second wave says of this very model.
+  /// With what the second wave says of this very model, which then stays near where that looked.
   ModelEmulator emulator_of(const std::vector<int>& effects) const;
-  SubModel model(const std::vector<int>& effects) const { return viewed(emulator_of(effects)); }
+  SubModel model(const std::vector<int>& effects) const;
+  /// Measurement, simulation noise and lack of fit of some data as this emulator predicts them with v.
+  Eigen::MatrixXd predictive_covariance(const ModelEmulator& of, double v,
+                                        const std::vector<Eigen::Index>& outputs) const;
   /// As the campaign alone has it, so that two models can be compared.
   SubModel campaign_model(const std::vector<int>& effects) const { return viewed(emulator.of_model(effects)); }
   std::shared_ptr<const FitSpace> space_of(const std::vector<Eigen::Index>& outputs,
@@ -65,8 +72,9 @@ class Inquiry {
 
  private:
   SubModel viewed(const ModelEmulator& of) const;
+  const LocalCorrection* correction_of(const std::vector<int>& effects) const;
 
-  /// The campaign's noise first, then that of each correction.
+  /// The campaign's noise first, then that of the second wave.
   std::vector<std::pair<std::shared_ptr<const Eigen::MatrixXd>, std::shared_ptr<const FitSpace>>> spaces_;
   std::vector<LocalCorrection> corrections_;
 };

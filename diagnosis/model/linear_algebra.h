@@ -26,7 +26,8 @@ struct SimultaneousDiagonal {
 };
 SimultaneousDiagonal diagonalise_together(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-/// Ordinary least squares of many right-hand sides: coefficients = A F^T y with A = (F^T F)^-1.
+/// Ordinary least squares of many right-hand sides: coefficients = A F^T y with A = (F^T F)^-1. A column of zeros (a pair of effects that
+/// no run has had) gets coefficients 0 without error.
 struct LeastSquares {
   Eigen::MatrixXd coefficients;         ///< (columns of f x columns of y)
   Eigen::MatrixXd inverse_information;  ///< A

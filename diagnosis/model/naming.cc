@@ -77,15 +77,15 @@ bool is_adequate(const Inquiry& in, const Contender& c) {
 
 /// Finds the adequate ones. @return whether there is any
 bool find_adequate(const Inquiry& in, std::vector<Contender>& list) {
+  if (list.empty()) return false;
   // The evidence decides who is worth a bootstrap.
-  double best = -infinity, least_q = infinity;
-  for (const Contender& c : list) {
-    best = std::max(best, c.log_weight);
-    least_q = std::min(least_q, c.fit.q);
-  }
+  const auto less_q = [](const Contender& a, const Contender& b) { return a.fit.q < b.fit.q; };
+  const auto less_weight = [](const Contender& a, const Contender& b) { return a.log_weight < b.log_weight; };
+  const Contender& nearest = *std::min_element(list.begin(), list.end(), less_q);
+  const double best = std::max_element(list.begin(), list.end(), less_weight)->log_weight;
   bool any = false;
   for (Contender& c : list) {
-    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < least_q + rival_rise;
+    const bool in_reach = c.log_weight > best - worth_a_bootstrap || c.fit.q < nearest.fit.q + rival_rise;
     c.adequate = in_reach && is_adequate(in, c);
     any = any || c.adequate;
   }
@@ -140,17 +140,29 @@ void keep_adequate(std::vector<Contender>& list) {
             [](const Contender& a, const Contender& b) { return a.log_weight > b.log_weight; });
 }
 
+/// Whether c is as good an explanation as the nearest. The campaign's errors are common to both: where it cannot tell them apart, two second
+/// waves with errors of their own do so only clearly.
+bool is_near(const Inquiry& in, const Contender& c, const Contender& nearest) {
+  const double rise = c.fit.q - nearest.fit.q;
+  if (rise < rival_rise) return true;
+  if (!in.has_second_wave() || rise > twin_rise) return false;
+  const auto campaign_q = [&](const std::vector<int>& effects) {
+    const SubModel m = in.campaign_model(effects);
+    return fit_model(m, in.seen_by(m), in.centre, true).q;
+  };
+  return campaign_q(c.fit.effects) < campaign_q(nearest.fit.effects) + rival_rise;
+}
+
 /// The credible set, and whoever lies near the best.
 std::vector<Explanation> members_of_set(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list) {
-  double total = 0, least_q = infinity, reached = 0;
-  for (const Contender& c : list) {
-    total += std::exp(c.log_weight - list.front().log_weight);
-    least_q = std::min(least_q, c.fit.q);
-  }
+  const Contender& nearest = *std::min_element(
+      list.begin(), list.end(), [](const Contender& a, const Contender& b) { return a.fit.q < b.fit.q; });
+  double total = 0, reached = 0;
+  for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
   std::vector<Explanation> members;
   for (const Contender& c : list) {
     const double weight = std::exp(c.log_weight - list.front().log_weight) / total;
-    if (reached < credible || c.fit.q < least_q + rival_rise) members.push_back(explanation(in, misfit, c, weight));
+    if (reached < credible || is_near(in, c, nearest)) members.push_back(explanation(in, misfit, c, weight));
     reached += weight;
   }
   return members;
@@ -185,9 +197,11 @@ double twin_distance(const FitSpace& space, double v) {
 /// Confounding is declared, not fitted away: whoever cannot be told from a member is a member.
 /// @param list  the contenders, best first
 void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list, Naming& out) {
-  double total = 0;
+  double total = 0, least_q = infinity;
   for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
-  for (std::size_t i = 0; i < out.causes.size(); ++i)
+  for (const Explanation& e : out.causes) least_q = std::min(least_q, e.q);
+  const std::size_t num_members = out.causes.size();  // a twin's twin is none of the first one's
+  for (std::size_t i = 0; i < num_members; ++i)
     for (std::size_t k = 0; k < out.causes[i].fit.effects.size(); ++k)
       for (int j = 0; j < in.num_effects; ++j) {
         const ModelFit fit = out.causes[i].fit;
@@ -202,7 +216,7 @@ void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Conten
           continue;
         const Contender twin = contender(in, effects);
         // Not a twin that has vanished in the fit, nor one that the data hold against all the same.
-        if (least_strength(twin) < nothing || twin.fit.q > out.causes[i].fit.q + twin_rise) continue;
+        if (least_strength(twin) < nothing || twin.fit.q > least_q + twin_rise) continue;
         std::erase_if(out.refused, [&](const Explanation& e) { return e.fit.effects == effects; });
         const double weight = total > 0 ? std::exp(twin.log_weight - list.front().log_weight) / total : 0;
         out.causes.push_back(explanation(in, misfit, twin, weight));
@@ -210,7 +224,7 @@ void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Conten
 }
 
 bool at_range_end(const Inquiry& in, const ModelFit& fit) {
-  const SubModel m = in.model(fit.effects);
+  const SubModel m = in.campaign_model(fit.effects);
   for (Index i = m.num_parameters; i < fit.x.size(); ++i)
     for (const double end : {m.low[i], m.high[i]})
       if (end != 0 && std::abs(fit.x[i] - end) < nothing) return true;

@@ -7,48 +7,20 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Where the dimensions of the correction are among those of the model.
-std::vector<Index> places(const ModelEmulator& model, const LocalCentre& centre) {
-  std::vector<Index> out;
-  for (Index j = 0; j < model.num_parameters; ++j) out.push_back(j);
-  for (const int effect : centre.effects)
-    out.push_back(model.num_parameters +
-                  (std::find(model.effects.begin(), model.effects.end(), effect) - model.effects.begin()));
-  return out;
-}
-
-/// H: features in, what is left of them when their tangent at the centre is taken away. Only features of the correction's own
-/// dimensions have a tangent here; the others pass.
-Eigen::MatrixXd without_tangent(const ModelEmulator& model, const LocalCentre& centre, const std::vector<Index>& at) {
-  const Index n = model.dimensions();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<bool> own(static_cast<std::size_t>(n), false);
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    x[at[i]] = centre.x[static_cast<Index>(i)];
-    own[static_cast<std::size_t>(at[i])] = true;
-  }
+/// H: features in, what is left of them when their tangent at x is taken away.
+Eigen::MatrixXd without_tangent(const Eigen::VectorXd& x) {
   const Eigen::VectorXd f = features_of(x);
   const Eigen::MatrixXd slope = feature_slopes(x);
+  const Eigen::VectorXd level = f - times(slope, x);
   Eigen::MatrixXd h = Eigen::MatrixXd::Identity(f.size(), f.size());
-  const auto take_away = [&](Index feature) {
-    h(feature, 0) -= f[feature];
-    for (const Index i : at) {
-      h(feature, 0) += slope(feature, i) * x[i];
-      h(feature, 1 + i) -= slope(feature, i);
-    }
-  };
-  take_away(0);
-  for (const Index i : at) take_away(1 + i);
-  Index feature = 1 + n;
-  for (Index i = 0; i < n; ++i)
-    for (Index j = i; j < n; ++j, ++feature)
-      if (own[static_cast<std::size_t>(i)] && own[static_cast<std::size_t>(j)]) take_away(feature);
+  h.col(0) -= level;
+  h.block(0, 1, f.size(), x.size()) -= slope;
   return h;
 }
 
 }  // namespace
 
-Index fewest_local_runs(const LocalCentre& centre) { return 3 * (1 + centre.x.size()); }
+Index fewest_local_runs(const LocalCentre& centre) { return 5 * (1 + centre.x.size()); }
 
 LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs) {
   const Index num = runs.x.rows(), n = runs.centre.x.size();
@@ -68,11 +40,24 @@ LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs
   }
   LocalCorrection out;
   out.centre = runs.centre;
+  out.degrees_of_freedom = num - 1 - n;
   out.coefficients = transposed_product(t, fit.coefficients);
   out.a = transposed_product(t, product(fit.inverse_information, t));
-  out.noise =
-      std::make_shared<const Eigen::MatrixXd>(shrunk_covariance(off - product(g, fit.coefficients), num - 1 - n));
+  out.noise = std::make_shared<const Eigen::MatrixXd>(
+      shrunk_covariance(off - product(g, fit.coefficients), out.degrees_of_freedom));
   return out;
+}
+
+void pool_noise(std::vector<LocalCorrection>& corrections) {
+  if (corrections.empty()) return;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(corrections.front().noise->rows(), corrections.front().noise->cols());
+  double num = 0;
+  for (const LocalCorrection& c : corrections) {
+    sum += static_cast<double>(c.degrees_of_freedom) * *c.noise;
+    num += static_cast<double>(c.degrees_of_freedom);
+  }
+  const auto pooled = std::make_shared<const Eigen::MatrixXd>(sum / num);
+  for (LocalCorrection& c : corrections) c.noise = pooled;
 }
 
 double largest_shift(const LocalCorrection& correction) {
@@ -83,16 +68,10 @@ double largest_shift(const LocalCorrection& correction) {
 }
 
 ModelEmulator corrected(ModelEmulator model, const LocalCorrection& correction) {
-  const std::vector<Index> at = places(model, correction.centre);
-  const Eigen::MatrixXd h = without_tangent(model, correction.centre, at);
-  model.a = congruence(h.transpose(), model.a);
-  std::vector<Index> features = {0};
-  for (const Index i : at) features.push_back(1 + i);
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    model.coefficients.row(features[i]) += correction.coefficients.row(static_cast<Index>(i));
-    for (std::size_t j = 0; j < features.size(); ++j)
-      model.a(features[i], features[j]) += correction.a(static_cast<Index>(i), static_cast<Index>(j));
-  }
+  const Index n = correction.coefficients.rows();  // the features 1 and x come first
+  model.a = congruence(without_tangent(correction.centre.x).transpose(), model.a);
+  model.a.topLeftCorner(n, n) += correction.a;
+  model.coefficients.topRows(n) += correction.coefficients;
   model.noise = correction.noise;
   return model;
 }

@@ -31,14 +31,17 @@ struct LocalCorrection {
   Eigen::MatrixXd coefficients;  ///< of (1, x) (1 + dimensions x outputs), in units of the scale
   Eigen::MatrixXd a;             ///< of (1, x)
   std::shared_ptr<const Eigen::MatrixXd> noise;
+  Eigen::Index degrees_of_freedom = 0;  ///< of the noise
 };
+/// The noise of all boxes together, which each then has: that of one box alone is too uncertain to divide by.
+void pool_noise(std::vector<LocalCorrection>& corrections);
 /// Fewest runs in a box that a correction is made of.
 Eigen::Index fewest_local_runs(const LocalCentre& centre);
 LocalCorrection local_correction(const Emulator& emulator, const LocalRuns& runs);
 /// How far off the emulator was at the centre: largest over the outputs, in units of their scale.
 double largest_shift(const LocalCorrection& correction);
 
-/// An emulated model with the correction put in. Its effects must include those of the correction; in what they add, nothing changes.
+/// The emulated model of the centre's effects with the correction put in.
 ModelEmulator corrected(ModelEmulator model, const LocalCorrection& correction);
 
 }  // namespace drumsweep

@@ -56,8 +56,6 @@ LocalCentre box_round(const ModelFit& fit, const Problem& problem) {
 
 std::vector<LocalCentre> second_wave_of(const Diagnosis& first, const Problem& problem) {
   std::vector<LocalCentre> out;
-  if (first.leading.empty()) return out;
-  out.push_back(box_round(first.plain, problem));
   for (const ModelFit& fit : first.leading) out.push_back(box_round(fit, problem));
   return out;
 }

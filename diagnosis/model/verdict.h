@@ -24,8 +24,7 @@ struct Diagnosis : Misfit, Whereabouts, Naming, Outlook {
 Diagnosis diagnose(const Problem& problem, const Emulator& emulator, const DiagnosisOptions& options = {},
                    const std::vector<LocalRuns>& second_wave = {});
 
-/// Where a second wave of runs is worth most: round the plain model and the leading explanations of a first diagnosis; nowhere where it
-/// found nothing wrong.
+/// Where a second wave of runs is worth most: round the leading explanations of a first diagnosis; nowhere where it found nothing wrong.
 std::vector<LocalCentre> second_wave_of(const Diagnosis& first, const Problem& problem);
 
 /// Scale for an emulator of this problem: the data's sigma.

@@ -69,9 +69,9 @@ DiagnosisReport make_report(const Campaign& campaign, const MeasuredData& measur
   r.budget = runs_by_budget_law(emulator);
   if (static_cast<std::int64_t>(r.num_runs) < r.budget)
     r.notes.push_back(fmt::format(
-        "{} runs are fewer than the {} that the budget law asks for: intervals are too narrow and true pairs "
-        "may be refused; false alarms stay right",
-        r.num_runs, r.budget));
+        "{} runs are fewer than the {} that the budget law asks for: {}; false alarms stay right", r.num_runs, r.budget,
+        scaled.local.empty() ? "intervals are too narrow and true pairs may be refused"
+                             : "the second wave makes up for it where it went, nowhere else"));
   if (measured.num_assumed > 0)
     r.notes.push_back(
         fmt::format("{} of {} data came without an error; {:.3g} % of their values stand for it. The p-value holds for "

@@ -156,7 +156,7 @@ TEST(Diagnose, template_can_be_planned_as_it_is) {
   const Finished plan = drumsweep(folder, {"diagnose", "c/campaign.toml", "--plan"});
   EXPECT_EQ(plan.code, 0) << plan.err;
   EXPECT_NE(plan.out.find("core-hours"), std::string::npos) << plan.out;
-  EXPECT_NE(plan.out.find("then     up to 160 runs"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("then     up to 120 runs"), std::string::npos) << plan.out;
   EXPECT_EQ(drumsweep(folder, {"diagnose", "--template", "c"}).code, 2);
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "core/config/schema.h"
 #include "diagnosis/model/draws.h"
 #include "diagnosis/model/fit.h"
 
@@ -28,6 +29,29 @@ std::size_t index_of(const Campaign& campaign, const std::string& id) {
   for (std::size_t k = 0; k < campaign.candidates.size(); ++k)
     if (campaign.candidates[k].effect.id == id) return k;
   throw InputError(fmt::format("{}: candidate {} is not on the list", campaign.path, id));
+}
+
+}  // namespace
+
+namespace {
+
+Eigen::VectorXd drawn_parameters(const Campaign& campaign, std::int64_t seed) {
+  return normal_draws(seed, Purpose::adversary, 1, static_cast<Index>(campaign.parameters.size()))
+      .cwiseMax(-2)
+      .cwiseMin(2);
+}
+
+/// Whether every condition can be simulated with this change.
+bool is_possible(const Campaign& campaign, const Eigen::VectorXd& u, const KeyChange& change) {
+  const Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Index>(campaign.candidates.size()));
+  for (const Condition& c : campaign.conditions) try {
+      std::vector<KeyChange> changes = campaign.changes(c, u, off);
+      changes.push_back(change);
+      c.check(changes);
+    } catch (const InputError&) {
+      return false;
+    }
+  return true;
 }
 
 }  // namespace
@@ -60,10 +84,7 @@ HiddenTruth HiddenTruth::from_key(const std::string& key) {
 }
 
 MeasuredData measure_hidden(const Campaign& campaign, const MeasuredData& wanted, HiddenTruth& truth, int threads) {
-  if (truth.u.size() == 0)
-    truth.u = normal_draws(truth.seed, Purpose::adversary, 1, static_cast<Index>(campaign.parameters.size()))
-                  .cwiseMax(-2)
-                  .cwiseMin(2);
+  if (truth.u.size() == 0) truth.u = drawn_parameters(campaign, truth.seed);
   Campaign world = campaign;
   if (truth.smooth)
     for (Condition& c : world.conditions) {
@@ -144,7 +165,10 @@ HiddenTruth draw_truth(const Campaign& campaign, const std::string& kind, std::i
         {KeyChange::How::below, "material.wall_friction", 0.5 + 0.4 * t[1], "material.friction"},
         {KeyChange::How::set, "effects.size_spread", 0.15 + 0.1 * t[1]},
         {KeyChange::How::set, "material.restitution", 0.5 + 0.4 * t[1]}};
-    truth.outsider.push_back(all[static_cast<std::size_t>(t[0] * static_cast<double>(all.size()))]);
+    truth.u = drawn_parameters(campaign, seed);
+    auto chosen = static_cast<std::size_t>(t[0] * static_cast<double>(all.size()));
+    if (!is_possible(campaign, truth.u, all[chosen])) chosen = (chosen + 1) % all.size();
+    truth.outsider.push_back(all[chosen]);
   } else if (kind != "none") {
     // A single one by name.
     add(index_of(campaign, kind), t[1], t[2]);

@@ -109,7 +109,7 @@ void score(const HideOptions& o) {
       for (const Statement::Named& n : cause) {
         said += fmt::format(" {} {:.3g} [{:.3g}, {:.3g}]", n.id, n.strength, n.low, n.high);
         for (const auto& [id, phi] : c.truth.effects) {
-          if (id != n.id || cause.size() != c.truth.effects.size()) continue;
+          if (id != n.id || !is_truth(c.truth, cause)) continue;
           strength.add(phi >= n.low && phi <= n.high);
           sum_off += (n.strength - phi) / phi;
           ++num_off;
@@ -148,6 +148,9 @@ int main(int argc, char** argv) {
   tier_a->add_option("--cases", a.cases_per_class, "of each class and machine")->capture_default_str();
   tier_a->add_option("--bootstraps", a.num_bootstraps, "of each diagnosis")->capture_default_str();
   tier_a->add_option("--seed", a.first_seed, "of the first machine")->capture_default_str();
+  tier_a->add_option("--kink", a.kink, "lack of fit: by how much effects bend at half of their range")
+      ->capture_default_str();
+  tier_a->add_option("--second-wave", a.second_wave, "runs round each leading explanation")->capture_default_str();
   tier_a->callback([&] {
     const TierAScore score = run_tier_a(a);
     fmt::print("{}", score.table());

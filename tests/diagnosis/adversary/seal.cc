@@ -73,20 +73,22 @@ Statement parse_statement(const std::string& text) {
   return s;
 }
 
+bool is_truth(const HiddenTruth& truth, const std::vector<Statement::Named>& cause) {
+  return cause.size() == truth.effects.size() &&
+         std::all_of(cause.begin(), cause.end(), [&](const Statement::Named& n) {
+           return std::any_of(truth.effects.begin(), truth.effects.end(),
+                              [&](const auto& effect) { return effect.first == n.id; });
+         });
+}
+
 Judgement judge(const HiddenTruth& truth, const Statement& said) {
   const bool nothing = said.verdict == to_text(Verdict::nothing_wrong), named = !said.causes.empty();
   if (truth.effects.empty() && truth.listed()) return nothing ? Judgement::right : Judgement::misnamed;
   if (nothing) return Judgement::missed;
   if (!named) return truth.listed() ? Judgement::refused : Judgement::right;
   if (!truth.listed()) return Judgement::misnamed;
-  const auto is_truth = [&](const std::vector<Statement::Named>& cause) {
-    return cause.size() == truth.effects.size() &&
-           std::all_of(cause.begin(), cause.end(), [&](const Statement::Named& n) {
-             return std::any_of(truth.effects.begin(), truth.effects.end(),
-                                [&](const auto& effect) { return effect.first == n.id; });
-           });
-  };
-  if (std::none_of(said.causes.begin(), said.causes.end(), is_truth)) return Judgement::misnamed;
+  if (std::none_of(said.causes.begin(), said.causes.end(), [&](const auto& cause) { return is_truth(truth, cause); }))
+    return Judgement::misnamed;
   return said.causes.size() == 1 ? Judgement::right : Judgement::in_set;
 }
 

@@ -29,6 +29,8 @@ Statement parse_statement(const std::string& text);
 
 /// What a verdict is worth once the seal is open.
 enum class Judgement { right, in_set, misnamed, refused, missed };
+/// Whether a member of the set is the truth, whatever its strengths.
+bool is_truth(const HiddenTruth& truth, const std::vector<Statement::Named>& cause);
 Judgement judge(const HiddenTruth& truth, const Statement& said);
 const char* to_text(Judgement judgement);
 

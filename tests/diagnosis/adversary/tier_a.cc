@@ -14,7 +14,14 @@ using Index = Eigen::Index;
 
 constexpr int num_parameters = 4, num_effects = 8, num_outsiders = 4, num_fitted = 32, num_held_out = 64,
               held_out_size = 3, used_held_out = 8;
-enum Stream : std::uint64_t { slopes = 1, curvatures = 2, design = 1000, noise = 100'000, cases = 10'000'000 };
+enum Stream : std::uint64_t {
+  slopes = 1,
+  curvatures = 2,
+  design = 1000,
+  noise = 100'000,
+  cases = 10'000'000,
+  local = 1'000'000'000
+};
 
 Eigen::VectorXd normals(std::int64_t seed, std::uint64_t index, Index count) {
   return normal_draws(seed, Purpose::adversary, index, count);
@@ -31,7 +38,7 @@ Eigen::VectorXd heavy_tails(std::int64_t seed, std::uint64_t index, Index count)
 
 }  // namespace
 
-SyntheticMachine::SyntheticMachine(std::int64_t machine_seed) : seed(machine_seed) {
+SyntheticMachine::SyntheticMachine(std::int64_t machine_seed, double kink) : seed(machine_seed) {
   const char* groups[] = {"bench", "drum", "outlet", "belt"};
   for (int i = 0; i < num_fitted; ++i)
     problem.data.push_back({fmt::format("fitted_{}", i / 4), fmt::format("q{}", i % 4), std::nan(""), "m", 0, 1, "1",
@@ -92,12 +99,17 @@ SyntheticMachine::SyntheticMachine(std::int64_t machine_seed) : seed(machine_see
   truth(1 + num_parameters + 5, q - 1) = -40;
   outsider_slope.resize(num_outsiders, q);
   for (int o = 0; o < num_outsiders; ++o) outsider_slope.row(o) = signature(o + 1);
+  // Twins stay twins: only the others are bent.
+  kink_slope = Eigen::MatrixXd::Zero(num_effects, q);
+  for (int k = 0; k < 4; ++k) kink_slope.row(k) = kink * signature(k);
 }
 
 Eigen::VectorXd SyntheticMachine::mean(const Eigen::VectorXd& u, const Eigen::VectorXd& p) const {
   Eigen::VectorXd x(u.size() + p.size());
   x << u, p;
-  return truth.transpose() * features_of(x);
+  Eigen::VectorXd out = transposed_times(truth, features_of(x));
+  for (Index k = 0; k < p.size(); ++k) out += std::max(0.0, std::abs(p[k]) - 0.5) * kink_slope.row(k).transpose();
+  return out;
 }
 
 CampaignRuns SyntheticMachine::campaign(Index runs, bool share_seeds) const {
@@ -122,6 +134,20 @@ CampaignRuns SyntheticMachine::campaign(Index runs, bool share_seeds) const {
     const Eigen::VectorXd error = heavy_tails(seed, Stream::noise + (share_seeds ? 0 : run), problem.num_data());
     out.outputs.row(i) =
         (mean(out.parameters.row(i).transpose(), out.strengths.row(i).transpose()) + error).transpose();
+  }
+  return out;
+}
+
+LocalRuns SyntheticMachine::local_runs(const LocalCentre& box, Index num_runs, std::uint64_t number) const {
+  LocalRuns out{box, Eigen::MatrixXd(num_runs, box.x.size()), Eigen::MatrixXd(num_runs, problem.num_data())};
+  for (Index i = 0; i < num_runs; ++i) {
+    const std::uint64_t run = Stream::local + 10'000 * number + static_cast<std::uint64_t>(i);
+    const Eigen::VectorXd at = uniform_draws(seed, Purpose::campaign, run, box.x.size());
+    const Eigen::VectorXd x = box.x + box.half_width.cwiseProduct((2 * at.array() - 1).matrix());
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(num_effects);
+    for (std::size_t k = 0; k < box.effects.size(); ++k) p[box.effects[k]] = x[num_parameters + static_cast<Index>(k)];
+    out.x.row(i) = x.transpose();
+    out.outputs.row(i) = (mean(x.head(num_parameters), p) + heavy_tails(seed, run, problem.num_data())).transpose();
   }
   return out;
 }
@@ -275,7 +301,7 @@ TierAScore run_tier_a(const TierAOptions& options) {
   TierAScore score;
   score.confusion = Eigen::MatrixXi::Zero(num_effects + 2, 5);
   for (int machine_number = 0; machine_number < options.machines; ++machine_number) {
-    const SyntheticMachine machine(options.first_seed + machine_number);
+    const SyntheticMachine machine(options.first_seed + machine_number, options.kink);
     const Emulator emulator(machine.campaign(options.num_runs, options.mutation.share_seeds),
                             scale_of(machine.problem));
     DiagnosisOptions how;
@@ -290,7 +316,12 @@ TierAScore run_tier_a(const TierAOptions& options) {
       for (int i = 0; i < num; ++i) {
         const SealedCase hidden = draw_case(machine, kind, number++, low, high, among);
         if (hidden.d < 0) continue;
-        const Diagnosis found = diagnose(hidden.problem, emulator, how);
+        Diagnosis found = diagnose(hidden.problem, emulator, how);
+        std::vector<LocalRuns> wave;
+        for (const LocalCentre& box : second_wave_of(found, hidden.problem))
+          if (options.second_wave > 0)
+            wave.push_back(machine.local_runs(box, options.second_wave, 10 * number + wave.size()));
+        if (!wave.empty()) found = diagnose(hidden.problem, emulator, how, wave);
         const int row = kind == Hidden::nothing    ? num_effects
                         : kind == Hidden::outsider ? num_effects + 1
                         : kind == Hidden::single   ? hidden.effects[0]
@@ -313,12 +344,15 @@ TierAScore run_tier_a(const TierAOptions& options) {
           for (std::size_t k = 0; k < e.effects.size(); ++k) same = same && e.effects[k].effect == hidden.effects[k];
           if (!same) continue;
           for (std::size_t k = 0; k < e.effects.size(); ++k)
+            score.strength_off.push_back((e.effects[k].strength - hidden.strengths[k]) / std::abs(hidden.strengths[k]) *
+                                         (hidden.strengths[k] < 0 ? -1 : 1));
+          for (std::size_t k = 0; k < e.effects.size(); ++k)
             score.strength_covers.add(hidden.strengths[k] >= e.effects[k].low - 1e-9 &&
                                       hidden.strengths[k] <= e.effects[k].high + 1e-9);
         }
         if (!found.causes.empty() && kind == Hidden::single) {
           const HeldOutGain of_all =
-              held_out_gain(Inquiry(hidden.population, emulator, how), found.plain, found.causes.front().fit);
+              held_out_gain(Inquiry(hidden.population, emulator, how, wave), found.plain, found.causes.front().fit);
           score.gain_covers.add(of_all.mean >= found.gain.low && of_all.mean <= found.gain.high);
         }
       }
@@ -419,6 +453,14 @@ std::string TierAScore::table() const {
     out +=
         fmt::format("{:<52}{:>6} of {:<6} {:>6.1f} %   {}\n", gate.what, c.yes, c.of, 100 * c.rate(), accepted(gate));
   }
+  double sum = 0, squares = 0;
+  for (const double off : strength_off) {
+    sum += off;
+    squares += off * off;
+  }
+  const double num = std::max<double>(1, static_cast<double>(strength_off.size()));
+  out += fmt::format("strengths are off by {:+.1f} % on average, {:.1f} % rms\n", 100 * sum / num,
+                     100 * std::sqrt(squares / num));
   out += "\nhidden \\ verdict   unique right  set with it  set without  none of these  nothing wrong\n";
   for (Eigen::Index r = 0; r < confusion.rows(); ++r) {
     out += fmt::format("{:<19}", r < 8 ? fmt::format("effect_{}", r) : r == 8 ? "nothing" : "outsider");

@@ -28,9 +28,15 @@ struct SyntheticMachine {
   Eigen::MatrixXd truth;           ///< (features x data)
   Eigen::MatrixXd outsider_slope;  ///< (outsiders x data), at strength 1
 
-  explicit SyntheticMachine(std::int64_t machine_seed);
+  Eigen::MatrixXd
+      kink_slope;  ///< (effects x data): beyond half of its range an effect acts more (or less), which no quadratic follows
+
+  /// @param kink  size of what the emulator cannot follow; 0: it follows all
+  explicit SyntheticMachine(std::int64_t machine_seed, double kink = 0);
   /// @param share_seeds  only in tests that must fail: noise that is the same in all runs
   CampaignRuns campaign(Eigen::Index num_runs, bool share_seeds) const;
+  /// Runs of a second wave in one box.
+  LocalRuns local_runs(const LocalCentre& box, Eigen::Index num_runs, std::uint64_t number) const;
   /// d of a change of the data (in sigma) at theta after recalibration, and after one of the effects was fitted too (linearised).
   double detectability(const Eigen::VectorXd& u, const Eigen::VectorXd& change) const;
   double distance_to(const Eigen::VectorXd& u, const Eigen::VectorXd& change, int rival) const;
@@ -74,7 +80,8 @@ struct TierAScore {
   Count exact_both, exact_apart;  ///< both named; one named without the other
   Count near_misnamed, near_resolved;
   Count gain_covers, strength_covers;
-  Count control_gain;  ///< null data: a gain was adopted
+  std::vector<double> strength_off;  ///< relative to the truth
+  Count control_gain;                ///< null data: a gain was adopted
   Eigen::MatrixXi
       confusion;  ///< (hidden single effect, nothing, outsider) x (named uniquely, set with the truth, set without, none of these, nothing wrong)
 
@@ -86,8 +93,10 @@ struct TierAScore {
 struct TierAOptions {
   int machines = 6, cases_per_class = 20, num_bootstraps = 200;
   std::int64_t first_seed = 1;
-  Eigen::Index num_runs = 840;  ///< of each campaign
-  bool only_null = false;       ///< false alarms alone
+  Eigen::Index num_runs = 840;   ///< of each campaign
+  bool only_null = false;        ///< false alarms alone
+  double kink = 0;               ///< lack of fit of the machines
+  Eigen::Index second_wave = 0;  ///< runs a box; 0: none
   Mutation mutation{};
 };
 

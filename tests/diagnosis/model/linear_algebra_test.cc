@@ -32,6 +32,11 @@ TEST(LinearAlgebra, least_squares_finds_a_line_and_says_when_columns_are_the_sam
   ASSERT_TRUE(fit.regular);
   EXPECT_NEAR(fit.coefficients(0, 0), 1, 1e-14);
   EXPECT_NEAR(fit.coefficients(1, 0), 2, 1e-14);
+  const LeastSquares with_nothing =
+      least_squares(Eigen::MatrixXd{{1.0, 0.0, 0.0}, {1.0, 0.0, 1.0}, {1.0, 0.0, 2.0}}, y);
+  ASSERT_TRUE(with_nothing.regular);
+  EXPECT_EQ(with_nothing.coefficients(1, 0), 0);
+  EXPECT_NEAR(with_nothing.coefficients(2, 0), 2, 1e-14);
   EXPECT_FALSE(least_squares(Eigen::MatrixXd{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1.0}}, y).regular);
 }
 

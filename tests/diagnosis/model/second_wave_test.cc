@@ -59,15 +59,4 @@ TEST(SecondWave, correction_takes_the_lack_of_fit_out_where_its_runs_are) {
   EXPECT_GT(better.variance_factor(Eigen::VectorXd{{0.5, 0.0}}), 4 * better.variance_factor(x));
 }
 
-TEST(SecondWave, of_a_smaller_model_it_is_the_same_correction_where_other_effects_are_off) {
-  const Emulator emulator = quadratic_emulator();
-  const LocalCorrection correction = local_correction(emulator, box_of_runs(60));
-  const ModelEmulator single = corrected(emulator.of_model({0}), correction),
-                      pair = corrected(emulator.of_model({0, 1}), correction);
-  const Eigen::VectorXd x{{0.2, 0.7}}, off{{0.2, 0.7, 0.0}};
-  EXPECT_NEAR(single.predict(x)[0], pair.predict(off)[0], 1e-12);
-  EXPECT_NEAR(single.variance_factor(x), pair.variance_factor(off), 1e-12);
-  EXPECT_NEAR(pair.predict(Eigen::VectorXd{{0.2, 0.7, 1.0}})[0] - pair.predict(off)[0], 3, 0.4);
-}
-
 }  // namespace drumsweep
