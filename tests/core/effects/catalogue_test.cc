@@ -51,10 +51,10 @@ TEST(EffectCatalogue, names_numeric_keys_once_and_their_neutral_value_is_the_def
 }
 
 TEST(EffectCatalogue, neutral_strength_is_bitwise_the_plain_model_and_a_large_one_is_not) {
-  const std::uint64_t none = hash_after(plain(), 120);
+  const std::uint64_t none = hash_after(plain(), 60);
   for (const Effect& effect : effect_catalogue()) {
-    EXPECT_EQ(hash_after(with(effect, effect.neutral), 120), none) << effect.id;
-    EXPECT_NE(hash_after(with(effect, effect.large), 120), none) << effect.id;
+    EXPECT_EQ(hash_after(with(effect, effect.neutral), 60), none) << effect.id;
+    EXPECT_NE(hash_after(with(effect, effect.large), 60), none) << effect.id;
   }
 }
 
@@ -64,7 +64,7 @@ TEST(EffectCatalogue, effects_that_are_written_out_but_change_nothing_are_the_pl
   study.material.wall_friction = study.material.friction;
   study.material.wall_restitution = 0;
   study.effects.dynamic_friction = study.material.friction;  // mu_d = mu_s
-  EXPECT_EQ(hash_after(study, 120), hash_after(plain(), 120));
+  EXPECT_EQ(hash_after(study, 60), hash_after(plain(), 60));
 }
 
 TEST(EffectCatalogue, all_effects_together_run_and_restart_bitwise) {
@@ -82,10 +82,10 @@ TEST(EffectCatalogue, all_effects_together_run_and_restart_bitwise) {
     const DrumModel model(study, study.outlet);
     DrumState straight = filled_drum(model, 120), broken = straight;
     DrumWorkspace work;
-    for (int i = 0; i < 60; ++i) advance(model, straight, work);
+    for (int i = 0; i < 30; ++i) advance(model, straight, work);
     for (int part = 0; part < 2; ++part) {
       DrumWorkspace fresh;
-      for (int i = 0; i < 30; ++i) advance(model, broken, fresh);
+      for (int i = 0; i < 15; ++i) advance(model, broken, fresh);
     }
     EXPECT_EQ(state_hash(straight), state_hash(broken)) << method;
     EXPECT_EQ(straight.counts.removed, 0) << method;

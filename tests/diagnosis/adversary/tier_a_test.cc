@@ -28,7 +28,8 @@ TEST(Adversary, digest_is_sha_256) {
 }
 
 TEST(TierA, gates_are_met_on_six_machines) {
-  const TierAScore score = run_tier_a({.machines = 6 / part, .cases_per_class = 8 / part, .num_bootstraps = 199});
+  const TierAScore score =
+      run_tier_a({.machines = 6 / part, .cases_per_class = 8 / part, .num_bootstraps = 199 / part});
   EXPECT_TRUE(score.missed().empty()) << lines(score.missed()) << score.table();
 }
 
