@@ -440,6 +440,25 @@ void add_numerics(const Campaign& c, const DesignPoint& point, const Eigen::Matr
     if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * mean;
 }
 
+/// Points and outputs of the first `num` runs; of those without all numbers it is said why. @param wave  for that: "second wave, "
+std::vector<std::pair<DesignPoint, Eigen::VectorXd>> complete_rows(
+    const Campaign& c, const std::vector<RunResult>& results, std::size_t num, const MeasuredData& measured,
+    const std::string& wave, CampaignOutputs& out, const std::function<DesignPoint(std::size_t)>& point_of) {
+  std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
+  for (std::size_t i = 0; i < num; ++i) {
+    std::string why;
+    const DesignPoint point = point_of(i);
+    Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
+    add_numerics(c, point, out.numerics, y);
+    out.cpu_s += results[i].cpu_s;
+    if (why.empty())
+      rows.emplace_back(point, std::move(y));
+    else
+      out.left_out.push_back(fmt::format("{}run {}: {}", wave, i, why));
+  }
+  return rows;
+}
+
 }  // namespace
 
 CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& results, std::size_t num_design_runs,
@@ -462,18 +481,8 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
   for (std::size_t i = 0; i < difference.size(); ++i)
     out.numerics.row(static_cast<Index>(i)) = difference[i].transpose();
 
-  std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
-  for (std::size_t i = 0; i < num_design_runs && i < results.size(); ++i) {
-    std::string why;
-    const DesignPoint point = design_point(c, i, numerics_begin);
-    Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
-    add_numerics(c, point, out.numerics, y);
-    out.cpu_s += results[i].cpu_s;
-    if (why.empty())
-      rows.emplace_back(point, std::move(y));
-    else
-      out.left_out.push_back(fmt::format("run {}: {}", i, why));
-  }
+  const auto rows = complete_rows(c, results, std::min(num_design_runs, results.size()), measured, "", out,
+                                  [&](std::size_t i) { return design_point(c, i, numerics_begin); });
   const auto num = static_cast<Index>(rows.size());
   out.runs.parameters.resize(num, static_cast<Index>(c.parameters.size()));
   out.runs.strengths.resize(num, static_cast<Index>(c.candidates.size()));
@@ -489,18 +498,8 @@ CampaignOutputs read_off_runs(const Campaign& c, const std::vector<RunResult>& r
 
 void read_off_local(const Campaign& c, const LocalCentre& box, const std::vector<RunResult>& results,
                     const MeasuredData& measured, CampaignOutputs& out) {
-  std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    std::string why;
-    const DesignPoint point = local_point(c, box, i);
-    Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
-    add_numerics(c, point, out.numerics, y);
-    out.cpu_s += results[i].cpu_s;
-    if (why.empty())
-      rows.emplace_back(point, std::move(y));
-    else
-      out.left_out.push_back(fmt::format("second wave, run {}: {}", i, why));
-  }
+  const auto rows = complete_rows(c, results, results.size(), measured, "second wave, ", out,
+                                  [&](std::size_t i) { return local_point(c, box, i); });
   const auto num = static_cast<Index>(rows.size()), num_parameters = static_cast<Index>(c.parameters.size());
   LocalRuns runs{box, Eigen::MatrixXd(num, box.x.size()),
                  Eigen::MatrixXd(num, static_cast<Index>(measured.data.size()))};
