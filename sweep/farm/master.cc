@@ -202,7 +202,7 @@ class Master {
         if (agenda_.has_pending() && num_dead_ == farm_.size() - 1) return stop("all other ranks have died");
         poll_ranks();
         reporter_.update_waiting(counts());
-        tell_status("waiting for other ranks");
+        tell_status("waiting", " for other ranks");
         farm_.rest();
       }
     }
@@ -264,8 +264,8 @@ class Master {
       try {
         poll_ranks();
         reporter_.update(progress, counts());
-        tell_status(fmt::format("{} {:.1f} of {} turns, {} balls", progress.what, progress.turns,
-                                progress.turns_planned, progress.balls));
+        tell_status(progress.what, fmt::format(" {:.1f} of {} turns, {} balls", progress.turns, progress.turns_planned,
+                                               progress.balls));
       } catch (...) {
         trouble = std::current_exception();
         return false;
@@ -466,14 +466,15 @@ class Master {
 
   SweepCounts counts() const { return {agenda_.num_rows(), plan().designs.size(), done_now_, num_busy_}; }
 
-  /// Once a second into the lock file, for `status`.
-  void tell_status(const std::string& phase) {
-    if (seconds_since(told_) < 1) return;
+  /// Into the lock file, for `status`: once a second, and at once when something else begins.
+  void tell_status(const std::string& phase, const std::string& how_far) {
+    if (phase == told_phase_ && seconds_since(told_) < 1) return;
+    told_phase_ = phase;
     told_ = Clock::now();
     std::string running;
     for (const auto& index : busy_)
       if (index) running += " " + plan().designs[*index].id;
-    agenda_.store().lock().say(fmt::format("phase {}\nrunning{}\n", phase, running));
+    agenda_.store().lock().say(fmt::format("phase {}{}\nrunning{}\n", phase, how_far, running));
   }
 
   Farm& farm_;
@@ -497,6 +498,7 @@ class Master {
   bool begun_ = false;  ///< there is a line run_begin
   std::string stop_cause_;
   Clock::time_point told_{}, roll_called_{};
+  std::string told_phase_;
 };
 
 /// Tells the others to leave when this rank cannot even begin, so that nobody waits for it.

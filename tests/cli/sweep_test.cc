@@ -104,9 +104,11 @@ TEST(Sweep, a_kill_during_the_warm_up_changes_nothing) {
 TEST(Sweep, signals_stop_within_a_step_and_the_next_run_goes_on) {
   const TestFolder folder;
   write_text(folder / "study.toml", tiny_study(40, 2));
+  const auto recording = [&] { return file_text(folder / "out/lock").find("recording") != std::string::npos; };
   for (const int number : {SIGUSR2, SIGTERM, SIGINT}) {
+    std::filesystem::remove(folder / "out/lock");  // what the last run has said
     Program program(folder, {DRUMSWEEP_BINARY, "run", "study.toml", "-o", "out"});
-    ASSERT_TRUE(wait_until([&] { return file_text(folder / "out/lock").find("recording") != std::string::npos; }));
+    ASSERT_TRUE(wait_until(recording));
     const auto begin = std::chrono::steady_clock::now();
     program.signal(number);
     EXPECT_EQ(program.wait(), 3) << program.err();
@@ -118,8 +120,9 @@ TEST(Sweep, signals_stop_within_a_step_and_the_next_run_goes_on) {
   EXPECT_EQ(stopped["finished"].number, 0);
 
   // To mpirun, which passes USR2 on to all ranks.
+  std::filesystem::remove(folder / "out/lock");
   Program job(folder, under_mpirun(2, {"run", "study.toml", "-o", "out"}));
-  ASSERT_TRUE(wait_until([&] { return file_text(folder / "out/lock").find("recording") != std::string::npos; }));
+  ASSERT_TRUE(wait_until(recording)) << job.err();
   job.signal(SIGUSR2);
   EXPECT_EQ(job.wait(), 3) << job.err();
   EXPECT_EQ(drumsweep(folder, {"run", "study.toml", "-o", "out"}).code, 0);
