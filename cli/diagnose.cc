@@ -141,11 +141,12 @@ void check_swept(const DiagnosisReport& report, const std::string& before, const
   if (after.size() > studies.size())
     throw InputError(fmt::format("--after is there {} times: accepted is at most {}, the number of extended studies",
                                  after.size(), studies.size()));
-  const Study plain = parse_study(read_text(report.campaign.study), report.campaign.study);
+  const Study plain = parse_study(read_text(report.campaign.study), report.campaign.study),
+              old_sweep = read_frozen_study(before);
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (std::size_t i = 0; i < after.size(); ++i) {
     Study extended = parse_study(studies[i].second, studies[i].first);
-    const Study old_sweep = read_frozen_study(before), new_sweep = read_frozen_study(after[i]);
+    const Study new_sweep = read_frozen_study(after[i]);
     const auto check = [&](const std::string& folder, const std::string& key, double has, const std::string& of,
                            double needs) {
       if (!same(has, needs))

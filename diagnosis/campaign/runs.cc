@@ -432,10 +432,8 @@ Eigen::VectorXd outputs_of(const Campaign& c, const RunResult& r, const DesignPo
   return y;
 }
 
-/// The numerical error's candidate: what the runs of the other kind have shown.
-void add_numerics(const Campaign& c, const DesignPoint& point, const Eigen::MatrixXd& differences, Eigen::VectorXd& y) {
-  if (differences.rows() == 0) return;
-  const Eigen::VectorXd mean = differences.colwise().mean().transpose();
+/// The numerical error's candidate: what the runs of the other kind have shown. @param mean  finer - as is
+void add_numerics(const Campaign& c, const DesignPoint& point, const Eigen::VectorXd& mean, Eigen::VectorXd& y) {
   for (std::size_t k = 0; k < c.candidates.size(); ++k)
     if (c.candidates[k].numerics) y += c.candidates[k].effect.strength(point.p[static_cast<Index>(k)]) * mean;
 }
@@ -444,12 +442,14 @@ void add_numerics(const Campaign& c, const DesignPoint& point, const Eigen::Matr
 std::vector<std::pair<DesignPoint, Eigen::VectorXd>> complete_rows(
     const Campaign& c, const std::vector<RunResult>& results, std::size_t num, const MeasuredData& measured,
     const std::string& wave, CampaignOutputs& out, const std::function<DesignPoint(std::size_t)>& point_of) {
+  Eigen::VectorXd numerics = Eigen::VectorXd::Zero(static_cast<Index>(measured.data.size()));
+  if (out.numerics.rows() > 0) numerics = out.numerics.colwise().mean().transpose();
   std::vector<std::pair<DesignPoint, Eigen::VectorXd>> rows;
   for (std::size_t i = 0; i < num; ++i) {
     std::string why;
     const DesignPoint point = point_of(i);
     Eigen::VectorXd y = outputs_of(c, results[i], point, measured, why);
-    add_numerics(c, point, out.numerics, y);
+    add_numerics(c, point, numerics, y);
     out.cpu_s += results[i].cpu_s;
     if (why.empty())
       rows.emplace_back(point, std::move(y));

@@ -45,13 +45,13 @@ Inquiry::Inquiry(const Problem& the_problem, const Emulator& the_emulator, const
     lack_of_fit = (emulator.noise().diagonal() - corrections_.front().noise->diagonal()).cwiseMax(0);
   const FitOptions fit_options{.with_simulation_noise = !options.mutation.drop_simulation_noise};
   const Eigen::MatrixXd errors = covariance(fitted, fitted);
-  const auto campaign_noise = emulator.of_model({}).noise;
+  plain_emulator = emulator.of_model({});
+  const auto& campaign_noise = plain_emulator.noise;
   spaces_.emplace_back(campaign_noise, make_fit_space(*campaign_noise, fitted, errors, fit_options, lack_of_fit));
   if (!corrections_.empty()) {
     const auto& noise = corrections_.front().noise;
     spaces_.emplace_back(noise, make_fit_space(*noise, fitted, errors, fit_options));
   }
-  plain_emulator = emulator.of_model({});
   plain_model = viewed(plain_emulator);
   for (int k = 0; k < num_effects; ++k) single_models.push_back(campaign_model({k}));
 }

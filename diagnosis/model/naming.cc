@@ -153,12 +153,19 @@ bool is_near(const Inquiry& in, const Contender& c, const Contender& nearest) {
   return campaign_q(c.fit.effects) < campaign_q(nearest.fit.effects) + rival_rise;
 }
 
+/// Of all contenders (best first), in units of the first.
+double total_weight(const std::vector<Contender>& list) {
+  double total = 0;
+  for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
+  return total;
+}
+
 /// The credible set, and whoever lies near the best.
 std::vector<Explanation> members_of_set(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list) {
   const Contender& nearest = *std::min_element(
       list.begin(), list.end(), [](const Contender& a, const Contender& b) { return a.fit.q < b.fit.q; });
-  double total = 0, reached = 0;
-  for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
+  const double total = total_weight(list);
+  double reached = 0;
   std::vector<Explanation> members;
   for (const Contender& c : list) {
     const double weight = std::exp(c.log_weight - list.front().log_weight) / total;
@@ -197,8 +204,8 @@ double twin_distance(const FitSpace& space, double v) {
 /// Confounding is declared, not fitted away: whoever cannot be told from a member is a member.
 /// @param list  the contenders, best first
 void add_twins(const Inquiry& in, const Misfit& misfit, const std::vector<Contender>& list, Naming& out) {
-  double total = 0, least_q = infinity;
-  for (const Contender& c : list) total += std::exp(c.log_weight - list.front().log_weight);
+  const double total = total_weight(list);
+  double least_q = infinity;
   for (const Explanation& e : out.causes) least_q = std::min(least_q, e.q);
   const std::size_t num_members = out.causes.size();  // a twin's twin is none of the first one's
   for (std::size_t i = 0; i < num_members; ++i)

@@ -227,7 +227,7 @@ std::string compared_charts(const DiagnosisReport& r) {
   };
   for (std::size_t i = 0; i < r.problem.data.size(); ++i) {
     const Datum& d = r.problem.data[i];
-    if (d.use != Use::fit && d.use != Use::holdout) continue;
+    if (!compared(d)) continue;
     std::isnan(d.position) ? add(rows, d.quantity + "\n" + d.unit, i)
                            : add(profiles, d.condition + "\n" + d.quantity, i);
   }
@@ -342,7 +342,7 @@ std::string header_html(const DiagnosisReport& r) {
                        fmt::format("all data {:.2g}, towards a candidate {:.2g}", d.p_omnibus, d.p_directed));
   for (const GroupMisfit& g : d.groups)
     p += stat("p, " + escaped(g.group), fmt::format("{:.2g}", g.p),
-              fmt::format("{} data{}", g.num_data, g.p < 0.01 ? ": misfits" : ""));
+              fmt::format("{} data{}", g.num_data, misfits(g) ? ": misfits" : ""));
   std::string strip = stat("Error bars", fmt::format(" x {:.2f}", d.birge), "for the plain model to pass");
   if (!d.gain.nats.empty())
     strip += stat("Gain, held out", fmt::format("{:.1f} nats", d.gain.mean),

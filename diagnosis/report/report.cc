@@ -271,12 +271,14 @@ std::string report_hdf5(const DiagnosisReport& r) {
   return out.seal("diagnosis", 1);
 }
 
+std::string extended_name(std::size_t member) {
+  return member == 0 ? "extended.toml" : fmt::format("extended_{}.toml", member + 1);
+}
+
 std::vector<std::pair<std::string, std::string>> extended_studies(const DiagnosisReport& r) {
   std::vector<std::pair<std::string, std::string>> out;
   if (r.campaign.study.empty()) return out;
-  std::size_t number = 0;
   for (const Explanation& cause : r.result.causes) {
-    ++number;
     const auto num_effects = static_cast<Index>(r.problem.effects.size()),
                num_parameters = static_cast<Index>(r.problem.parameters.size());
     Eigen::VectorXd p = Eigen::VectorXd::Zero(num_effects);
@@ -298,7 +300,7 @@ std::vector<std::pair<std::string, std::string>> extended_studies(const Diagnosi
         head += fmt::format("# {} acts on nothing in this study: no key was changed for it.\n", c.effect.id);
     }
     head += fmt::format("# Gain on held-out conditions, of the best of the set: {}.\n", gain_in_words(r.result.gain));
-    out.emplace_back(number == 1 ? "extended.toml" : fmt::format("extended_{}.toml", number), head + text);
+    out.emplace_back(extended_name(out.size()), head + text);
   }
   return out;
 }
@@ -311,9 +313,7 @@ std::vector<std::string> write_report(const DiagnosisReport& r, const std::strin
   const auto studies = extended_studies(r);
   files.insert(files.end(), studies.begin(), studies.end());
   // A set that has become smaller leaves no member of the old one behind.
-  for (int number = 1; number < 100; ++number)
-    std::filesystem::remove(number == 1 ? folder + "/extended.toml"
-                                        : fmt::format("{}/extended_{}.toml", folder, number));
+  for (std::size_t member = 0; member < 99; ++member) std::filesystem::remove(folder + "/" + extended_name(member));
   std::vector<std::string> paths;
   for (const auto& [name, bytes] : files) {
     paths.push_back(folder + "/" + name);

@@ -61,6 +61,8 @@ std::string report_html(const DiagnosisReport& report);
 std::string report_hdf5(const DiagnosisReport& report);
 /// File names and contents: misfit.csv, candidates.csv, isolation.csv, gain.csv.
 std::vector<std::pair<std::string, std::string>> report_tables(const DiagnosisReport& report);
+/// Name of the extended study of a member of the set: extended.toml, extended_2.toml ...
+std::string extended_name(std::size_t member);
 /// The campaign's study with the causes at their fitted strengths: extended.toml for the best, extended_2.toml ... for the others of
 /// the set. Empty without a study or a cause.
 std::vector<std::pair<std::string, std::string>> extended_studies(const DiagnosisReport& report);

@@ -25,8 +25,6 @@ std::string number(double value, int digits = 3) {
 StepCell z_cell(double z) { return {std::isfinite(z) ? fmt::format("{:+.1f}", z) : "", z}; }
 std::string p_text(double p) { return std::isfinite(p) ? fmt::format("{:.2g}", p) : ""; }
 
-bool compared(const Datum& d) { return d.use == Use::fit || d.use == Use::holdout; }
-
 std::string effect_name(const DiagnosisReport& r, Index k) { return spoken(r.problem.effects[at(k)].id); }
 
 // --- 1. checks
@@ -130,7 +128,7 @@ StepTable group_table(const DiagnosisReport& r) {
                           {fmt::format("{}", g.num_data)},
                           {fmt::format("{:.1f}", g.chi2)},
                           {p_text(g.p)},
-                          {g.p < 0.01 ? "misfits" : ""}});
+                          {misfits(g) ? "misfits" : ""}});
   return table;
 }
 
@@ -409,10 +407,6 @@ std::string millimetre_text(double value_m, double sigma_m) {
 }
 std::string millimetre_text(const Regret& r) { return millimetre_text(r.f_m, r.sigma_m); }
 
-std::string study_name(std::size_t member) {
-  return member == 0 ? "extended.toml" : fmt::format("extended_{}.toml", member + 1);
-}
-
 DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
   DiagnosisStep step{"change", "What it changes", {}, {}};
   if (!r.change) {
@@ -440,7 +434,7 @@ DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
             ? "as far as these sweeps can tell, the members of the set agree on the decision, although the data cannot "
               "separate them"
             : "THE MEMBERS OF THE SET DO NOT AGREE on the decision",
-        study_name(c.safest), millimetre_text(worst), c.members.size(), c.apart,
+        extended_name(c.safest), millimetre_text(worst), c.members.size(), c.apart,
         c.agree() ? "" : "; separate them first"));
   }
   if (c.members.size() < r.result.causes.size())
@@ -460,14 +454,14 @@ DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
   };
   add("plain", c.before, "");
   for (std::size_t i = 0; i < c.members.size(); ++i)
-    add(study_name(i), c.members[i].after, millimetre_text(c.members[i].of_old));
+    add(extended_name(i), c.members[i].after, millimetre_text(c.members[i].of_old));
   step.tables.push_back(std::move(optima));
   if (c.members.size() > 1) {
     StepTable regret{
         "regret", "What the optimum of one costs (mm of f) where another is the truth", {{"built"}}, {}, ""};
-    for (std::size_t j = 0; j < c.members.size(); ++j) regret.columns.push_back({study_name(j) + " true", true});
+    for (std::size_t j = 0; j < c.members.size(); ++j) regret.columns.push_back({extended_name(j) + " true", true});
     for (std::size_t i = 0; i < c.members.size(); ++i) {
-      regret.rows.push_back({{study_name(i)}});
+      regret.rows.push_back({{extended_name(i)}});
       for (const Regret& one : c.regret[i]) regret.rows.back().push_back({millimetre_text(one)});
     }
     step.tables.push_back(std::move(regret));
@@ -476,6 +470,9 @@ DiagnosisStep what_it_changes(const DiagnosisReport& r, bool has_study) {
 }
 
 }  // namespace
+
+bool compared(const Datum& d) { return d.use == Use::fit || d.use == Use::holdout; }
+bool misfits(const GroupMisfit& group) { return group.p < 0.01; }
 
 std::string spoken(const std::string& id) {
   std::string out;

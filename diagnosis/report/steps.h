@@ -35,6 +35,11 @@ struct DiagnosisStep {
 /// Checks, what is wrong, the cause, the extension, the gain, what it changes.
 std::vector<DiagnosisStep> diagnosis_steps(const DiagnosisReport& report);
 
+/// Whether there is a measured value to compare with.
+bool compared(const Datum& datum);
+/// Whether a group of data is said to misfit by itself.
+bool misfits(const GroupMisfit& group);
+
 /// "axial_velocity" -> "axial velocity", "sensor_bias:angle" -> "sensor bias of angle".
 std::string spoken(const std::string& id);
 /// As name_of(), spoken.

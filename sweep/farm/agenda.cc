@@ -43,23 +43,27 @@ void Agenda::take_stock(bool steady, const GoOn& go_on) {
   known_.confirm(recordings_, study_, plan(), steady_);
   // What is stored may let searches ask for more, which may be stored too.
   stocked_ = look_up_new_designs(go_on);
-  bool grown = false;
-  while (stocked_ && pending_.empty() && extend_plan()) {
-    stocked_ = look_up_new_designs(go_on);
-    grown = true;
-  }
-  if (stocked_ && grown && !pending_.empty()) publish_plan();
+  const bool grown = grow(go_on, stocked_);
+  if (grown && stocked_ && !pending_.empty()) publish_plan();
   if (const std::size_t stored = num_rows_; stored > 0)
     reporter_.info(fmt::format("{} of {} designs are there already", stored, plan().designs.size()));
 }
 
 bool Agenda::refill(const GoOn& go_on) {
-  bool grown = false, going_on = true;
+  bool going_on = true;
+  const bool grown = grow(go_on, going_on);
+  if (grown) publish_plan();
+  return grown;
+}
+
+/// Lets searches ask until there is something to run. @param going_on  becomes false when told to end
+/// @return whether there is anything new
+bool Agenda::grow(const GoOn& go_on, bool& going_on) {
+  bool grown = false;
   while (going_on && pending_.empty() && extend_plan()) {
     going_on = look_up_new_designs(go_on);
     grown = true;
   }
-  if (grown) publish_plan();
   return grown;
 }
 

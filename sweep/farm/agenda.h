@@ -73,6 +73,7 @@ class Agenda {
   std::optional<Findings> write_findings();
 
  private:
+  bool grow(const GoOn& go_on, bool& going_on);
   bool extend_plan();
   void publish_plan() const;
   bool look_up_new_designs(const GoOn& go_on);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/config/schema.h"
+#include "postproc/child_process.h"
 #include "postproc/contour_figure.h"
 #include "support/complaint.h"
 #include "tests/postproc/synthetic.h"
@@ -183,10 +184,7 @@ class DrawnFigure : public testing::Test {
   void SetUp() override {
     if (std::system("gnuplot --version > /dev/null 2>&1") != 0)
       GTEST_SKIP() << "NO GNUPLOT ON THIS MACHINE: the figures are NOT tested";
-    folder_ = scratch_folder("it's a figure");
-  }
-  void TearDown() override {
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+    std::filesystem::create_directory(folder_);
   }
 
   /// Draws both formats and checks that there is something in them.
@@ -207,7 +205,8 @@ class DrawnFigure : public testing::Test {
     EXPECT_NE(svg.find("xlink:href='#gpPt"), std::string::npos) << name << ": symbols";
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder scratch_;
+  std::filesystem::path folder_ = scratch_.path / "it's a figure";
 };
 
 TEST_F(DrawnFigure, of_every_kind_of_table_is_there_and_not_blank) {

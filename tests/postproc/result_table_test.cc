@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/config/schema.h"
+#include "postproc/child_process.h"
 #include "support/complaint.h"
 #include "tests/postproc/synthetic.h"
 
@@ -20,9 +21,6 @@ const std::string header =
 
 class ResultFile : public testing::Test {
  protected:
-  void SetUp() override { folder_ = scratch_folder("results"); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   ResultTable read(const std::string& content) {
     std::ofstream(folder_ / "results.csv", std::ios::binary) << content;
     return read_results_csv(folder_ / "results.csv");
@@ -32,7 +30,8 @@ class ResultFile : public testing::Test {
     return complaint([&] { read(content); });
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder scratch_;
+  std::filesystem::path folder_ = scratch_.path;
 };
 
 TEST_F(ResultFile, has_the_columns_in_the_promised_order) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "postproc/child_process.h"
 #include "tests/postproc/synthetic.h"
 
 namespace drumsweep {
@@ -113,7 +114,8 @@ TEST(SampleFigure, thinned_landings_are_said_to_be) {
 TEST(SampleFigure, is_the_same_every_time_and_drawn_for_files_and_pages) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "NO GNUPLOT ON THIS MACHINE: the figures are NOT tested";
-  const std::filesystem::path folder = scratch_folder("sample");
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch.path;
   const SampleFiles files = write_sample(striped_sample(), folder);
   EXPECT_EQ(files.names.size(), 7u);
   EXPECT_EQ(files.no_picture, "");
@@ -123,7 +125,6 @@ TEST(SampleFigure, is_the_same_every_time_and_drawn_for_files_and_pages) {
   std::filesystem::remove(folder / "sample.png");
   ASSERT_EQ(std::system(("cd \"" + folder.string() + "\" && gnuplot -d sample.gp").c_str()), 0);
   EXPECT_EQ(file_content(folder / "sample.png"), first);
-  std::filesystem::remove_all(folder);
 
   const std::string page = sample_for_page(striped_sample(), {"s1-", "one design"}, {.most_landings = 400});
   EXPECT_TRUE(page.starts_with("<svg role=\"img\" aria-label=\"one design\""));

@@ -54,12 +54,4 @@ inline std::string file_content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// A fresh folder of the running test.
-inline std::filesystem::path scratch_folder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() /
-                                       ("drumsweep-test-" + name + "-" + std::to_string(std::random_device{}()));
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
 }  // namespace drumsweep

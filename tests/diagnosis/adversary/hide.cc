@@ -31,10 +31,6 @@ std::size_t index_of(const Campaign& campaign, const std::string& id) {
   throw InputError(fmt::format("{}: candidate {} is not on the list", campaign.path, id));
 }
 
-}  // namespace
-
-namespace {
-
 Eigen::VectorXd drawn_parameters(const Campaign& campaign, std::int64_t seed) {
   return normal_draws(seed, Purpose::adversary, 1, static_cast<Index>(campaign.parameters.size()))
       .cwiseMax(-2)

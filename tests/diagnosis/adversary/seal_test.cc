@@ -1,21 +1,20 @@
 #include "diagnosis/adversary/seal.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "core/config/schema.h"
 #include "core/io/durable_file.h"
+#include "postproc/child_process.h"
 
 namespace drumsweep {
 namespace {
 
 struct SealFolders {
-  std::string root;
+  ScratchFolder scratch;
+  std::string root = scratch.path.string();
   SealFolders() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "drumsweep-seal-XXXXXX").string();
-    root = ::mkdtemp(pattern.data());
     HiddenTruth truth;
     truth.name = "single";
     truth.effects = {{"rolling_resistance", 0.06}};
@@ -23,9 +22,6 @@ struct SealFolders {
     seal_case(root + "/data", root + "/keys", "000", {}, truth.key({}));
     std::filesystem::create_directories(root + "/verdicts");
   }
-  ~SealFolders() { std::filesystem::remove_all(root); }
-  SealFolders(const SealFolders&) = delete;
-  SealFolders& operator=(const SealFolders&) = delete;
   std::vector<OpenedCase> open() const { return open_seal(root + "/data", root + "/keys", root + "/verdicts"); }
   void say(const std::string& text) const { write_durably(root + "/verdicts/000.txt", text); }
 };

@@ -343,12 +343,11 @@ TierAScore run_tier_a(const TierAOptions& options) {
           bool same = true;
           for (std::size_t k = 0; k < e.effects.size(); ++k) same = same && e.effects[k].effect == hidden.effects[k];
           if (!same) continue;
-          for (std::size_t k = 0; k < e.effects.size(); ++k)
-            score.strength_off.push_back((e.effects[k].strength - hidden.strengths[k]) / std::abs(hidden.strengths[k]) *
-                                         (hidden.strengths[k] < 0 ? -1 : 1));
-          for (std::size_t k = 0; k < e.effects.size(); ++k)
+          for (std::size_t k = 0; k < e.effects.size(); ++k) {
+            score.strength_off.push_back((e.effects[k].strength - hidden.strengths[k]) / hidden.strengths[k]);
             score.strength_covers.add(hidden.strengths[k] >= e.effects[k].low - 1e-9 &&
                                       hidden.strengths[k] <= e.effects[k].high + 1e-9);
+          }
         }
         if (!found.causes.empty() && kind == Hidden::single) {
           const HeldOutGain of_all =
