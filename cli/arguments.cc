@@ -21,6 +21,14 @@ CLI::Validator number_between(double low, double high) {
       fmt::format("FLOAT in [{:g} - {:g}]", low, high));
 }
 
+void add_set_option(CLI::App& command, std::vector<std::string>& changes) {
+  command
+      .add_option("--set", changes,
+                  "KEY=VALUE: a key of the study with another value than in the file, as solver.iterations=50; may be "
+                  "given several times")
+      ->allow_extra_args(false);
+}
+
 void need_place_for(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) throw InputError(file + ": is a folder, not a file");

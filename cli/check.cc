@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/estimate.h"
 #include "core/config/schema.h"
@@ -72,14 +73,14 @@ std::string effects_on(const Study& s) {
   return out;
 }
 
-void check(const std::string& path) {
+void check(const std::string& path, const std::vector<std::string>& changes) {
   if (is_scene_file(path)) {
-    const SceneFile file = read_scene(path);
+    const SceneFile file = read_scene(path, changes);
     fmt::print("{}: valid scene \"{}\" ({}); next: drumsweep simulate {} -o result\n", path, file.name, file.type,
                path);
     return;
   }
-  const Study s = read_study(path);
+  const Study s = read_study(path, changes);
   const Plan plan = plan_designs(s);
   const CostEstimate e = estimate_cost(s);
   auto simulated = static_cast<double>(
@@ -140,14 +141,16 @@ void check(const std::string& path) {
 
 void add_check(CLI::App& app, int&) {
   auto path = std::make_shared<std::string>();
+  auto changes = std::make_shared<std::vector<std::string>>();
   CLI::App* command =
       app.add_subcommand("check", "Validate a study; mass balance, balls, memory, core-hours. Runs nothing.");
   command->add_option("STUDY", *path, "study file (TOML)")->required();
+  add_set_option(*command, *changes);
   command->footer(
       "Example:\n  drumsweep check study/quick.toml\n"
       "An error names file, line, key and the accepted range, and gives exit code 2. Costs are estimates:\n"
       "`drumsweep bench` measures this machine.");
-  command->callback([path] { check(*path); });
+  command->callback([path, changes] { check(*path, *changes); });
 }
 
 }  // namespace drumsweep

@@ -27,6 +27,7 @@ void add_simulate(CLI::App& app, int& exit_code);
 void add_contour(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
 void add_rescore(CLI::App& app, int& exit_code);
+void add_compare(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_picture(CLI::App& app, int& exit_code);

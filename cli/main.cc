@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   add_contour(app, exit_code);
   add_sample(app, exit_code);
   add_rescore(app, exit_code);
+  add_compare(app, exit_code);
   add_report(app, exit_code);
   add_bench(app, exit_code);
   add_picture(app, exit_code);

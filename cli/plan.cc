@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/estimate.h"
 #include "cli/json.h"
@@ -28,6 +29,7 @@ namespace {
 
 struct Options {
   std::string study, folder;
+  std::vector<std::string> changes;
   int ranks = 1;
   bool json = false;
 };
@@ -99,7 +101,7 @@ double rounds(const Study& study, std::size_t s, std::size_t num_designs, int ra
 }
 
 void plan(const Options& options) {
-  const Study study = read_study(options.study);
+  const Study study = read_study(options.study, options.changes);
   if (study.stages.empty()) throw InputError(options.study + ": has no [[stage]], so there is nothing to plan");
   const std::string folder =
       options.folder.empty() ? std::filesystem::path(options.study).stem().string() + "_result" : options.folder;
@@ -196,6 +198,7 @@ void add_plan(CLI::App& app, int&) {
       ->capture_default_str()
       ->check(CLI::Range(1, 10000000));
   command->add_option("-o,--output", options->folder, "output folder [default: STUDY's name + _result, here]");
+  add_set_option(*command, options->changes);
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Examples:\n  drumsweep plan study/quick.toml -n 8\n  drumsweep plan study/quick.toml -n 8 -o out   what is left "

@@ -78,6 +78,7 @@ void add_run(CLI::App& app, int& exit_code) {
       app.add_subcommand("run", "Run a study: warm-up if missing, all stages, table. Run again to go on.");
   command->add_option("STUDY", options->study_path, "study file (TOML)")->required();
   command->add_option("-o,--output", options->output, "output folder [default: STUDY's name + _result, here]");
+  add_set_option(*command, options->changes);
   command
       ->add_option("--threads", options->threads,
                    "threads of each rank; more ranks are better unless there are fewer designs than cores")
@@ -118,6 +119,7 @@ void add_run(CLI::App& app, int& exit_code) {
       "bit\n"
       "for bit for any number of ranks and interruptions. In OUT: results.csv (f_m in metres, one row a design),\n"
       "provenance.csv (who, where, how long), run.log, warm_state.h5, designs/ID.h5 (landings).\n"
+      "With --set each set of values needs a folder of its own; `drumsweep compare` puts such folders side by side.\n"
       "Changed stages and [objective] keys are taken up, without simulating anything twice; any other change is "
       "refused\n"
       "(exit 5). SIGINT, SIGTERM and SIGUSR2 stop within a step, with a checkpoint (exit 3); SIGUSR1 writes one and "

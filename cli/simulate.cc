@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/json.h"
 #include "core/config/schema.h"
@@ -23,6 +24,7 @@ namespace {
 
 struct Options {
   std::string study, folder;
+  std::vector<std::string> changes;
   std::vector<double> at;
   int threads = 0;
   bool json = false;
@@ -78,7 +80,7 @@ void print_text(const SingleDesign& d) {
 
 int simulate_scene(const Options& options) {
   if (!options.at.empty()) throw InputError("--at: is for studies; a scene has its numbers in its file");
-  SceneFile file = read_scene(options.study);
+  SceneFile file = read_scene(options.study, options.changes);
   file.scene->threads = options.threads_to_use();
   Reporter reporter;
   SceneResult r = file.scene->run(file.physics, [&](const SceneProgress& progress) {
@@ -123,7 +125,7 @@ int simulate_scene(const Options& options) {
 int simulate(const Options& options) {
   install_stop_signals();
   if (is_scene_file(options.study)) return simulate_scene(options);
-  Study study = read_study(options.study);
+  Study study = read_study(options.study, options.changes);
   std::vector<double> at = options.at;
   if (at.empty()) {
     // The outlet as it is in the study.
@@ -160,6 +162,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
           "the design: values of the stages' variables in order (or of the outlet's angle and base width [m], if "
           "there is no stage), in the units of the keys; left out: the study's own outlet")
       ->delimiter(',');
+  add_set_option(*command, options->changes);
   command->add_option("-o,--output", options->folder, "folder; its warm_state.h5 is used again where it fits")
       ->required();
   command->add_option("--threads", options->threads, "threads; 0: one a core. The result is the same bit for bit")

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/config/schema.h"
 #include "core/config/toml_reader.h"
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 void warn(const std::string& text) { fmt::print(stderr, "drumsweep: warning: {}\n", text); }
 
 void slurm(JobOptions options) {
-  const Study study = read_study(options.study_path);
+  const Study study = read_study(options.study_path, options.changes);
   const Plan plan = plan_designs(study);
   const auto designs =
       std::count_if(plan.designs.begin(), plan.designs.end(), [](const auto& d) { return d.impossible.empty(); });
@@ -57,6 +58,7 @@ void add_slurm(CLI::App& app, int&) {
   command->add_option("-t,--time", options->time, "limit of one start: 90 (minutes), 24:00:00, 2-12 (days-hours) ...")
       ->required();
   command->add_option("-o,--output", options->output, "output folder [default: STUDY's name + _result, here]");
+  add_set_option(*command, options->changes);
   command
       ->add_option("--tasks-per-node", options->tasks_per_node,
                    "ranks on a node, one a core [default: whole nodes, one rank a CPU]")

@@ -40,7 +40,7 @@ fi
 job='' signalled='' cancelled=''
 trap 'signalled=1; say "the time limit is near, stopping"; [ -z "$job" ] || kill -USR2 "$job" 2>/dev/null' USR2
 trap 'signalled=1; cancelled=1; say "Slurm ends the job"' TERM
-"${launch[@]}" "$program" run "$study" -o "$out" --threads @threads@ &
+"${launch[@]}" "$program" run "$study"@changes@ -o "$out" --threads @threads@ &
 job=$!
 wait "$job"
 code=$?
@@ -60,7 +60,7 @@ esac
 if finished; then
   # 0: done, 4: done, some designs have failed. After anything else the table may lack its last rows, a matter of seconds.
   if [ "$code" -ne 0 ] && [ "$code" -ne 4 ]; then
-    "$program" run "$study" -o "$out"
+    "$program" run "$study"@changes@ -o "$out"
     code=$?
   fi
   say "finished, exit code $code"

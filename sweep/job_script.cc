@@ -95,6 +95,11 @@ std::string job_script(const JobOptions& o) {
     throw InputError(fmt::format("--signal-before {} with a time limit of {} s: accepted is 10 to {}",
                                  o.signal_before_s, limit_s, limit_s - 1));
   for (const std::string& path : {o.program, o.study_path, o.output}) expect_one_line(path);
+  std::string changes;
+  for (const std::string& change : o.changes) {
+    expect_one_line(change);
+    changes += " --set " + shell_quoted(change);
+  }
 
   std::string title = o.title, site, modules;
   std::replace_if(title.begin(), title.end(), is_control, ' ');
@@ -118,6 +123,7 @@ std::string job_script(const JobOptions& o) {
       {"modules", modules},
       {"program", shell_quoted(o.program)},
       {"study", shell_quoted(o.study_path)},
+      {"changes", changes},
       {"out", shell_quoted(o.output)},
       {"max_requeues", std::to_string(o.max_requeues)},
       {"ranks_per_node", o.tasks_per_node > 0 ? std::to_string(o.tasks_per_node)

@@ -9,6 +9,7 @@ namespace drumsweep {
 
 struct JobOptions {
   std::string program, study_path, output;  ///< absolute paths, the same on all nodes
+  std::vector<std::string> changes;         ///< of the study's keys, see read_study()
   std::string title;                        ///< the study's name
   std::string time;                         ///< limit of one start, as Slurm takes it
   int nodes = 1;

@@ -15,8 +15,9 @@ namespace drumsweep {
 
 struct SweepOptions {
   std::string study_path;
-  int threads = 1;     ///< of each rank
-  std::string output;  ///< empty: the study file's stem + "_result" in the current folder
+  std::vector<std::string> changes;  ///< of its keys, see read_study()
+  int threads = 1;                   ///< of each rank
+  std::string output;                ///< empty: the study file's stem + "_result" in the current folder
 
   double checkpoint_interval_s = 10;  ///< of the state inside a design, see checkpoint.h
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  ///< of the program

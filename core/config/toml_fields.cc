@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -57,6 +58,16 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
   } catch (const toml::parse_error& error) {
     throw InputError(place(source, error.source()) + std::string(error.description()));
   }
+}
+
+std::string change_as_toml(const std::string& change, const std::string& source) {
+  const std::size_t equals = change.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == change.size())
+    throw InputError(fmt::format("{}: needs KEY=VALUE", source));
+  const std::string value = change.substr(equals + 1);
+  const bool word = std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false" &&
+                    value != "nan" && value != "inf";
+  return fmt::format("{} = {}", change.substr(0, equals), word ? toml_text(value) : value);
 }
 
 std::string toml_text(const std::string& text) {

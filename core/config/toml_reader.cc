@@ -1,8 +1,6 @@
 #include "core/config/toml_reader.h"
 
-#include <fmt/format.h>
-
-#include <cctype>
+#include <vector>
 
 #include "core/config/schema.h"
 #include "core/config/stages.h"
@@ -29,17 +27,14 @@ Study parse_study(const std::string& text, const std::string& source, const Stud
 }
 
 Study changed_study(const Study& study, const std::string& change, const std::string& source) {
-  const std::size_t equals = change.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == change.size())
-    throw InputError(fmt::format("{}: needs KEY=VALUE", source));
-  const std::string value = change.substr(equals + 1);
-  const bool word = std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false" &&
-                    value != "nan" && value != "inf";
-  const std::string text = word ? toml_text(value) : value;
-  return parse_study(fmt::format("{} = {}", change.substr(0, equals), text), source, study);
+  return parse_study(change_as_toml(change, source), source, study);
 }
 
-Study read_study(const std::string& path) { return parse_study(read_text(path), path); }
+Study read_study(const std::string& path, const std::vector<std::string>& changes) {
+  Study study = parse_study(read_text(path), path);
+  for (const std::string& change : changes) study = changed_study(study, change, "--set " + change);
+  return study;
+}
 
 std::string write_study(const Study& study, bool comments) {
   Study copy = study;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/config/study.h"
 
@@ -10,7 +11,8 @@ namespace drumsweep {
 /// Reads and validates a study.
 /// @throws InputError: missing file; TOML error with line and column; unknown key with "did you mean"; wrong type or
 /// range.
-Study read_study(const std::string& path);
+/// @param changes  of the command line, made one after the other, see changed_study()
+Study read_study(const std::string& path, const std::vector<std::string>& changes = {});
 
 /// The same from text; `source` names it in messages. Keys that the text leaves out are those of `base`.
 Study parse_study(const std::string& text, const std::string& source, const Study& base = {});

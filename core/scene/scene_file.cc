@@ -48,13 +48,29 @@ std::vector<Field> scene_fields(SceneFile& file) {
   return list;
 }
 
+void read_keys(const toml::table& root, const std::string& source, SceneFile& file) {
+  FieldReader reader{source, scene_fields(file), "", {}};
+  reader.table(root, "");
+  validate_values(reader.known, reader.where());
+  validate_physics(file.physics, reader.where());
+  file.scene->validate(file.physics, reader.where());
+}
+
 }  // namespace
 
 std::span<const SceneType> scene_types() { return all_types; }
 
 bool is_scene_file(const std::string& path) { return parse_toml(read_text(path), path).get("scene") != nullptr; }
 
-SceneFile read_scene(const std::string& path) { return parse_scene(read_text(path), path); }
+SceneFile read_scene(const std::string& path, const std::vector<std::string>& changes) {
+  SceneFile file = parse_scene(read_text(path), path);
+  for (const std::string& change : changes) {
+    const std::string source = "--set " + change;
+    if (change.starts_with("scene.type")) throw InputError(source + ": is another scene, with keys of its own");
+    read_keys(parse_toml(change_as_toml(change, source), source), source, file);
+  }
+  return file;
+}
 
 SceneFile parse_scene(const std::string& text, const std::string& source) {
   const toml::table root = parse_toml(text, source);
@@ -74,11 +90,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
                                  near.empty() ? "" : "; did you mean " + near + "?"));
   }
   file.scene = found->make();
-  FieldReader reader{source, scene_fields(file), "", {}};
-  reader.table(root, "");
-  validate_values(reader.known, reader.where());
-  validate_physics(file.physics, reader.where());
-  file.scene->validate(file.physics, reader.where());
+  read_keys(root, source, file);
   return file;
 }
 

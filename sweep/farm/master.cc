@@ -520,7 +520,7 @@ void send_home(Farm& farm) {
 
 SweepOutcome run_sweep(Farm& farm, const SweepOptions& options) {
   try {
-    const Study study = read_study(options.study_path);
+    const Study study = read_study(options.study_path, options.changes);
     if (study.stages.empty())
       throw InputError(options.study_path +
                        ": has no [[stage]], so there is nothing to sweep; `drumsweep simulate` runs "

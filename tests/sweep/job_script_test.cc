@@ -71,6 +71,16 @@ TEST(Job_script, names_and_paths_cannot_become_commands) {
   EXPECT_THROW(job_script(options), InputError);
 }
 
+TEST(Job_script, keys_set_on_the_command_line_are_set_in_every_start) {
+  JobOptions options = some_job();
+  options.changes = {"solver.iterations=50", "name=it's"};
+  const std::string script = job_script(options);
+  const std::string run = R"("$program" run "$study" --set 'solver.iterations=50' --set 'name=it'\''s' -o)";
+  const std::size_t first = script.find(run);
+  ASSERT_NE(first, std::string::npos) << script;
+  EXPECT_NE(script.find(run, first + 1), std::string::npos) << script;
+}
+
 TEST(Job_script, a_signal_that_would_come_before_the_start_is_refused) {
   JobOptions options = some_job();
   options.time = "2";

@@ -88,6 +88,19 @@ TEST(StudyFile, a_missing_file_is_named) {
   EXPECT_TRUE(has(complaint([] { read_study("/no/such/file.toml"); }), "/no/such/file.toml"));
 }
 
+TEST(StudyFile, keys_set_on_the_command_line_stand_over_the_file) {
+  const std::string path = DRUMSWEEP_SOURCE_DIR "/schedules/quick.toml";
+  const Study changed = read_study(path, {"solver.iterations=77", "outlet.bisector_sense=against_rotation"});
+  const std::vector<Difference> changes = differences(read_study(path), changed);
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changed.solver.iterations, 77);
+  EXPECT_EQ(changed.outlet.bisector_sense, "against_rotation");
+  EXPECT_EQ(changed.stages.size(), read_study(path).stages.size());
+  EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iteration=7"}); }), "did you mean solver.iterations?"));
+  EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iterations=0"}); }), "--set solver.iterations=0"));
+  EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iterations"}); }), "needs KEY=VALUE"));
+}
+
 TEST(StudyFile, setting_the_angle_in_one_unit_clears_the_other) {
   Study s = small_drum();
   set_number(s, "outlet.opening_angle_rad", 0.1);

@@ -30,6 +30,15 @@ TEST(SceneFile, written_out_with_all_keys_reads_back_to_the_same) {
   }
 }
 
+TEST(SceneFile, keys_set_on_the_command_line_stand_over_the_file) {
+  const std::string path = DRUMSWEEP_SOURCE_DIR "/schedules/scenes/incline.toml";
+  SceneFile file = read_scene(path, {"scene.angle_deg=7.5", "solver.iterations=77"});
+  EXPECT_EQ(file.physics.solver.iterations, 77);
+  EXPECT_NE(write_scene(file, false).find("angle_deg = 7.5"), std::string::npos);
+  EXPECT_THROW(read_scene(path, {"scene.angle_deg=1000"}), InputError);
+  EXPECT_THROW(read_scene(path, {"scene.type=drop"}), InputError);
+}
+
 TEST(SceneFile, complaints_name_file_line_key_value_and_what_is_accepted) {
   EXPECT_NE(scene_error("[scene]\nspeed_m_s = 1\n").find("needs type"), std::string::npos);
   const std::string type = scene_error("[scene]\ntype = \"dorp\"\n");

@@ -1,0 +1,123 @@
+/// drumsweep compare
+#include "sweep/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/arguments.h"
+#include "cli/commands.h"
+#include "core/io/durable_file.h"
+
+namespace drumsweep {
+namespace {
+
+struct Options {
+  std::vector<std::string> folders;
+  std::string file;
+};
+
+using Line = std::vector<std::string>;
+
+std::string last_part(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
+std::string number_or_blank(double value, const char* format) {
+  return std::isnan(value) ? "" : fmt::format(fmt::runtime(format), value);
+}
+
+/// What people look at first; the file has the rest.
+std::vector<Line> table_of(const Comparison& all) {
+  Line head = {"folder"};
+  for (const std::string& key : all.keys) head.push_back(last_part(key));
+  for (const std::string& name : all.variable_names) head.push_back(name);
+  for (const char* name : {"f mm", "+-", "footprint mm", "+-", "over end %", "holdup", "warm balls", "residual m/s",
+                           "overlap %", "cpu s", "state"})
+    head.emplace_back(name);
+  std::vector<Line> table = {head};
+  const auto begin_of = [&](std::size_t folder) {
+    Line line = {all.folders[folder].path};
+    line.insert(line.end(), all.folders[folder].values.begin(), all.folders[folder].values.end());
+    return line;
+  };
+  const auto warm = [&](std::size_t folder) {
+    const ComparedFolder& f = all.folders[folder];
+    return f.warm_balls ? fmt::format("{}{}", *f.warm_balls, f.steady ? "" : " (not steady)") : std::string();
+  };
+  std::vector<bool> has_design(all.folders.size(), false);
+  for (const ComparedDesign& d : all.designs) {
+    has_design[d.folder] = true;
+    Line line = begin_of(d.folder);
+    for (const double value : d.variables) line.push_back(number_or_blank(value, "{:g}"));
+    const ResultRow& r = d.row;
+    for (const double value : {r.f_m, r.sigma_f_m, r.f_footprint_m, r.sigma_f_footprint_m})
+      line.push_back(number_or_blank(1e3 * value, "{:.2f}"));
+    line.push_back(number_or_blank(100 * d.over_end, "{:.1f}"));
+    line.push_back(std::to_string(d.holdup));
+    line.push_back(warm(d.folder));
+    line.push_back(number_or_blank(r.residual, "{:.2g}"));
+    line.push_back(number_or_blank(100 * r.overlap_95, "{:.1f}"));
+    line.push_back(number_or_blank(d.cpu_s, "{:.1f}"));
+    line.push_back(r.state);
+    table.push_back(std::move(line));
+  }
+  for (std::size_t i = 0; i < all.folders.size(); ++i)
+    if (!has_design[i]) {
+      Line line = begin_of(i);
+      line.resize(head.size());
+      line[head.size() - 5] = warm(i);
+      line.back() = "no design yet";
+      table.push_back(std::move(line));
+    }
+  return table;
+}
+
+void print(const std::vector<Line>& table) {
+  std::vector<std::size_t> widths(table.front().size(), 0);
+  for (const Line& line : table)
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  for (const Line& line : table) {
+    std::string text;
+    for (std::size_t c = 0; c < line.size(); ++c)
+      text += c == 0 ? fmt::format("{:<{}}", line[c], widths[c]) : fmt::format("  {:>{}}", line[c], widths[c]);
+    fmt::print("{}\n", text);
+  }
+}
+
+void run(const Options& options) {
+  if (!options.file.empty()) need_place_for(options.file);
+  const Comparison all = compare(options.folders);
+  for (const std::string& warning : all.warnings) fmt::print(stderr, "drumsweep: {}\n", warning);
+  print(table_of(all));
+  if (options.file.empty()) return;
+  write_durably(options.file, to_csv(all));
+  fmt::print("table: {}\n", options.file);
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int&) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "compare",
+      "Output folders of several studies side by side, with the keys in which they differ. Simulates nothing.");
+  command->add_option("OUT", options->folders, "output folders of runs")->required();
+  command->add_option("-o,--output", options->file, "all numbers as CSV, in SI units");
+  command->footer(
+      "Example, a convergence study:\n"
+      "  for i in 10 25 50; do drumsweep run study/quick.toml --set solver.iterations=$i -o it$i; done\n"
+      "  drumsweep compare it10 it25 it50 -o convergence.csv\n"
+      "A line a finished design: values of the keys in which the studies differ, the design's variables, f and f of "
+      "the\n"
+      "outlet's footprint with standard errors [mm], share of the balls that leave over the outlet's end, balls inside "
+      "at\n"
+      "the end and after the warm-up, mean solver residual, overlap that 95 % of the contacts are below [% of a "
+      "diameter],\n"
+      "CPU time of the design. To change how stored landings are evaluated, without a run: `drumsweep rescore`.");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace drumsweep
