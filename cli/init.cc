@@ -91,7 +91,8 @@ void add_init(CLI::App& app, int&) {
   CLI::App* command = app.add_subcommand("init", "Write commented study files that run as they are.");
   command
       ->add_option("--preset", options->preset,
-                   "which study: quick (two minutes), lab2013 (the published lab drum), scenes (small "
+                   "which study: quick (two minutes), lab2013 (the published lab drum), plant (a full-size drum, for "
+                   "a cluster), scenes (small "
                    "experiments for `simulate`)")
       ->check(CLI::IsMember(offered()))
       ->capture_default_str();

@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# Runs what schedules/README.md reports, and writes its tables to schedules/results/*.csv.
+# usage: schedules/reproduce.sh PART [OUTPUT_FOLDER]     (default: papers; run again to go on after an interruption)
+#   samples      S1's four sample points under every reading of the paper that is on offer      0.6 core-hours
+#   holdup       what sets the number of balls in the lab drum                                   0.6
+#   convergence  f of S1's optimum over time step and iterations                                 7
+#   adaptive     S1's surface and optimum with a twentieth of its simulations                    1.1
+#   pellets      S0's validation systems                                                         0.1
+# As many runs side by side as there are cores; none needs MPI.   PART --list: only says what would run.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+part=${1:?which part? see the top of this file}
+out=${2:-papers}
+program=${DRUMSWEEP:-build/release/drumsweep}
+
+# One line a run: folder, study, keys.
+runs() {
+  local fine="solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=10"
+  case $part in
+    samples)
+      local unit
+      for unit in deg rad; do
+        local study=lab2013_${unit}_samples.toml
+        echo "$unit $study"
+        echo "${unit}_fine $study $fine"
+        echo "${unit}_coating_3mm $study effects.outlet_coating_m=0.003"
+        echo "${unit}_coating_6mm $study effects.outlet_coating_m=0.006"
+        echo "${unit}_other_sense $study outlet.bisector_sense=against_rotation"
+      done
+      ;;
+    holdup)
+      local study=lab2013_deg_optimum.toml
+      echo "as_printed $study"
+      echo "width_two_sigma $study drum.texture.width_is=two_sigma"
+      echo "texture_none $study drum.texture.density_1_m2=0"
+      echo "texture_half $study effects.texture_height_scale=0.5"
+      echo "texture_double $study effects.texture_height_scale=2"
+      echo "rolling_0.05 $study effects.rolling_friction=0.05"
+      echo "rolling_0.1 $study effects.rolling_friction=0.1"
+      echo "rolling_0.3 $study effects.rolling_friction=0.3"
+      echo "iterations_100 $study solver.iterations=100"
+      echo "cold_start $study solver.warm_start=false"
+      echo "fine $study $fine"
+      echo "narrow_outlet $study warmup.opening_angle_deg=0 warmup.base_width_m=0.010"
+      echo "wide_outlet $study warmup.opening_angle_deg=0.6 warmup.base_width_m=0.200"
+      ;;
+    convergence)
+      # The cheap ones first. Contacts are searched for every 8 ms at most, as in the default.
+      local study=lab2013_deg_optimum.toml step iterations
+      echo "smooth $study step.method=smooth step.contact_speed_m_s=0.3"
+      while read -r step iterations; do
+        echo "${step}ms_x_$iterations $study solver.iterations=$iterations $(
+          case $step in
+            10) echo solver.outer_step_s=0.010 solver.sub_steps=1 ;;
+            5) echo solver.outer_step_s=0.010 solver.sub_steps=2 ;;
+            2) echo solver.outer_step_s=0.008 solver.sub_steps=4 ;;
+            1) echo solver.outer_step_s=0.008 solver.sub_steps=8 ;;
+          esac)"
+      done <<<"10 10
+10 25
+5 10
+10 50
+2 10
+5 25
+2 25
+10 100
+1 10
+5 50
+2 50
+1 25
+5 100
+2 100
+1 50
+10 400
+1 100
+5 400
+2 400
+1 400"
+      ;;
+    adaptive) echo "deg lab2013_deg_adaptive.toml" ;;
+    pellets)
+      local drum="scenes/drum_pellets.toml scene.settle_turns=0.25 scene.record_turns=0.5"
+      echo "drum_rolling_0.30 $drum"
+      echo "drum_no_rolling $drum effects.rolling_friction=0"
+      echo "drum_1_rad_s $drum scene.angular_velocity_rad_s=1"
+      echo "pile_rolling_0.30 scenes/pile.toml"
+      echo "pile_no_rolling scenes/pile.toml effects.rolling_friction=0"
+      echo "bed_rolling_0.30 scenes/conveyor.toml"
+      echo "bed_no_rolling scenes/conveyor.toml effects.rolling_friction=0"
+      ;;
+    *)
+      echo "reproduce.sh: $part: no such part; see the top of the file" >&2
+      return 2
+      ;;
+  esac
+}
+
+# Of one line; a run that ends with some designs failed (exit code 4) has said which, and is no reason to stop.
+run_one() {
+  local out=$1 name=$2 study=$3 key keys=()
+  shift 3
+  for key in "$@"; do keys+=(--set "$key"); done
+  local command=(run)
+  if [[ $study == scenes/* ]]; then
+    command=(simulate --threads 1)
+    ! compgen -G "$out/$name/*_observables.csv" >/dev/null || return 0
+  fi
+  "$program" "${command[@]}" "schedules/$study" "${keys[@]}" -o "$out/$name" >"$out/$name.log" 2>&1 || [ $? -eq 4 ] || {
+    echo "reproduce.sh: $name: see $out/$name.log" >&2
+    return 1
+  }
+  echo "$name: done"
+}
+export -f run_one
+export program
+
+list=$(runs)
+if [ "$out" = --list ]; then
+  echo "$list"
+  exit
+fi
+mkdir -p "$out/$part" schedules/results
+xargs -P "$(nproc)" -I{} bash -c "run_one $out/$part {}" <<<"$list"
+mapfile -t names < <(cut -d' ' -f1 <<<"$list")
+table=$PWD/schedules/results/$part.csv
+program=$(realpath "$program")
+cd "$out/$part"
+if [ "$part" = pellets ]; then
+  head -qn1 "${names[0]}"/*_observables.csv | sed 's/^/run,/' >"$table"
+  for name in "${names[@]}"; do sed "1d; s/^/$name,/" "$name"/*_observables.csv >>"$table"; done
+else
+  "$program" compare "${names[@]}" -o "$table"
+fi
