@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/config/schema.h"
+#include "sweep/store/store.h"
 
 namespace drumsweep {
 
@@ -32,10 +33,18 @@ void add_set_option(CLI::App& command, std::vector<std::string>& changes) {
 void need_place_for(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) throw InputError(file + ": is a folder, not a file");
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    throw InputError(file + ": is there and is no file; what is written is a file");
   std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (folder.empty()) folder = ".";
   if (!std::filesystem::is_directory(folder, error))
     throw InputError(fmt::format("{}: there is no folder {}; make it first", file, folder.string()));
+  const OutputPaths own{folder.string()};
+  for (const std::string& path : {own.study(), own.warm_state(), own.results(), own.findings(), own.results_image(),
+                                  own.provenance(), own.log(), own.lock()})
+    if (std::filesystem::exists(own.study(), error) &&
+        std::filesystem::path(path).filename() == std::filesystem::path(file).filename())
+      throw InputError(file + ": is the run's own file; choose another name");
   if (::access(folder.c_str(), W_OK) != 0)
     throw InputError(fmt::format("{}: the folder {} cannot be written to", file, folder.string()));
 }

@@ -76,7 +76,7 @@ int bench(const Options& options) {
     study.solver.sub_steps = 1;
     study.solver.iterations = 25;
   }
-  for (const std::string& change : options.set) study = changed_study(study, change, "--set " + change);
+  if (!options.set.empty()) study = changed_study(study, options.set, "--set");
   Reporter reporter;
   const BenchResult result = run_bench(study, bench_options, [&](const Progress& p) {
     reporter.update(p, {});
@@ -107,8 +107,7 @@ void add_bench(CLI::App& app, int& exit_code) {
                    "s1: 10 ms x 25 iterations as in the paper; shipped: this program's default")
       ->capture_default_str()
       ->check(CLI::IsMember({"s1", "shipped"}));
-  command->add_option("--set", options->set,
-                      "key=value: changes a key of the lab drum's study, for what an effect or setting costs");
+  add_set_option(*command, options->set);
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Example:\n  drumsweep bench --balls 10000 --json\n"

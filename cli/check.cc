@@ -76,8 +76,10 @@ std::string effects_on(const Study& s) {
 void check(const std::string& path, const std::vector<std::string>& changes) {
   if (is_scene_file(path)) {
     const SceneFile file = read_scene(path, changes);
+    std::string as_given = path;
+    for (const std::string& change : changes) as_given += fmt::format(" --set '{}'", change);
     fmt::print("{}: valid scene \"{}\" ({}); next: drumsweep simulate {} -o result\n", path, file.name, file.type,
-               path);
+               as_given);
     return;
   }
   const Study s = read_study(path, changes);

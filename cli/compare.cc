@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,55 +24,55 @@ struct Options {
 
 using Line = std::vector<std::string>;
 
-std::string last_part(const std::string& key) { return key.substr(key.rfind('.') + 1); }
-
 std::string number_or_blank(double value, const char* format) {
   return std::isnan(value) ? "" : fmt::format(fmt::runtime(format), value);
+}
+
+/// Keys by their last part where that says which.
+std::vector<std::string> titles(const Comparison& all) {
+  const auto last_part = [](const std::string& key) { return key.substr(key.rfind('.') + 1); };
+  std::map<std::string, int> times;
+  for (const std::string& key : all.keys) ++times[last_part(key)];
+  for (const std::string& name : all.variable_names) ++times[name];
+  std::vector<std::string> out;
+  for (const std::string& key : all.keys) out.push_back(times[last_part(key)] > 1 ? key : last_part(key));
+  return out;
 }
 
 /// What people look at first; the file has the rest.
 std::vector<Line> table_of(const Comparison& all) {
   Line head = {"folder"};
-  for (const std::string& key : all.keys) head.push_back(last_part(key));
-  for (const std::string& name : all.variable_names) head.push_back(name);
-  for (const char* name : {"f mm", "+-", "footprint mm", "+-", "over end %", "holdup", "warm balls", "residual m/s",
-                           "overlap %", "cpu s", "state"})
-    head.emplace_back(name);
+  const std::vector<std::string> keys = titles(all);
+  head.insert(head.end(), keys.begin(), keys.end());
+  head.push_back("warm balls");
+  head.insert(head.end(), all.variable_names.begin(), all.variable_names.end());
+  head.insert(head.end(), {"state", "f mm", "+-", "footprint mm", "+-", "over end %", "holdup", "residual m/s",
+                           "overlap %", "cpu s"});
   std::vector<Line> table = {head};
-  const auto begin_of = [&](std::size_t folder) {
-    Line line = {all.folders[folder].path};
-    line.insert(line.end(), all.folders[folder].values.begin(), all.folders[folder].values.end());
-    return line;
-  };
-  const auto warm = [&](std::size_t folder) {
-    const ComparedFolder& f = all.folders[folder];
-    return f.warm_balls ? fmt::format("{}{}", *f.warm_balls, f.steady ? "" : " (not steady)") : std::string();
-  };
-  std::vector<bool> has_design(all.folders.size(), false);
-  for (const ComparedDesign& d : all.designs) {
-    has_design[d.folder] = true;
-    Line line = begin_of(d.folder);
-    for (const double value : d.variables) line.push_back(number_or_blank(value, "{:g}"));
-    const ResultRow& r = d.row;
-    for (const double value : {r.f_m, r.sigma_f_m, r.f_footprint_m, r.sigma_f_footprint_m})
-      line.push_back(number_or_blank(1e3 * value, "{:.2f}"));
-    line.push_back(number_or_blank(100 * d.over_end, "{:.1f}"));
-    line.push_back(std::to_string(d.holdup));
-    line.push_back(warm(d.folder));
-    line.push_back(number_or_blank(r.residual, "{:.2g}"));
-    line.push_back(number_or_blank(100 * r.overlap_95, "{:.1f}"));
-    line.push_back(number_or_blank(d.cpu_s, "{:.1f}"));
-    line.push_back(r.state);
+  const auto add = [&](Line line) {
+    line.resize(head.size());
     table.push_back(std::move(line));
-  }
-  for (std::size_t i = 0; i < all.folders.size(); ++i)
-    if (!has_design[i]) {
-      Line line = begin_of(i);
-      line.resize(head.size());
-      line[head.size() - 5] = warm(i);
-      line.back() = "no design yet";
-      table.push_back(std::move(line));
+  };
+  for (const ComparedFolder& f : all.folders) {
+    Line begin = {f.path};
+    begin.insert(begin.end(), f.values.begin(), f.values.end());
+    begin.push_back(f.warm_balls ? fmt::format("{}{}", *f.warm_balls, f.steady ? "" : " (not steady)") : "");
+    if (f.designs.empty()) add(begin);
+    for (const ComparedDesign& d : f.designs) {
+      const ResultRow& r = d.row;
+      Line line = begin;
+      for (const double value : d.variables) line.push_back(number_or_blank(value, "{:g}"));
+      line.push_back(r.state);
+      for (const double value : {r.f_m, r.sigma_f_m, r.f_footprint_m, r.sigma_f_footprint_m})
+        line.push_back(number_or_blank(1e3 * value, "{:.2f}"));
+      line.push_back(number_or_blank(100 * d.over_end, "{:.1f}"));
+      line.push_back(d.holdup ? std::to_string(*d.holdup) : "");
+      line.push_back(number_or_blank(r.residual, "{:.2g}"));
+      line.push_back(number_or_blank(100 * r.overlap_95, "{:.1f}"));
+      line.push_back(number_or_blank(d.cpu_s, "{:.1f}"));
+      add(line);
     }
+  }
   return table;
 }
 

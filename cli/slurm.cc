@@ -82,7 +82,7 @@ void add_slurm(CLI::App& app, int&) {
       ->check(CLI::Range(0, 10000));
   command->footer(
       "Example:\n"
-      "  drumsweep slurm study/plant.toml -N 4 -t 24:00:00 --tasks-per-node 64 -o out > job.sh\n"
+      "  drumsweep slurm study/plant_pellets.toml -N 4 -t 24:00:00 --tasks-per-node 64 -o out > job.sh\n"
       "  sbatch job.sh\n"
       "  drumsweep status out\n"
       "The job stops in good order before its time limit and goes back into the queue; so it does after a lost node.\n"

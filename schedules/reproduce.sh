@@ -2,16 +2,19 @@
 # Runs what schedules/README.md reports, and writes its tables to schedules/results/*.csv.
 # usage: schedules/reproduce.sh PART [OUTPUT_FOLDER]     (default: papers; run again to go on after an interruption)
 #   samples      S1's four sample points under every reading of the paper that is on offer      0.6 core-hours
+#   line         which opening angle would give the outflow that S1 describes                   0.1
 #   holdup       what sets the number of balls in the lab drum                                   0.6
 #   convergence  f of S1's optimum over time step and iterations                                 7
 #   adaptive     S1's surface and optimum with a twentieth of its simulations                    1.1
 #   pellets      S0's validation systems                                                         0.1
-# As many runs side by side as there are cores; none needs MPI.   PART --list: only says what would run.
+# As many runs side by side as there are cores.   PART --list: only says what would run.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
 part=${1:?which part? see the top of this file}
 out=${2:-papers}
-program=${DRUMSWEEP:-build/release/drumsweep}
+[ "$out" = --list ] || out=$(realpath -m -- "$out")
+program=${DRUMSWEEP:+$(realpath -- "$DRUMSWEEP")}
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+program=${program:-$PWD/build/release/drumsweep}
 
 # One line a run: folder, study, keys.
 runs() {
@@ -28,6 +31,7 @@ runs() {
         echo "${unit}_other_sense $study outlet.bisector_sense=against_rotation"
       done
       ;;
+    line) echo "rad lab2013_rad_line.toml" ;;
     holdup)
       local study=lab2013_deg_optimum.toml
       echo "as_printed $study"
@@ -45,7 +49,7 @@ runs() {
       echo "wide_outlet $study warmup.opening_angle_deg=0.6 warmup.base_width_m=0.200"
       ;;
     convergence)
-      # The cheap ones first. Contacts are searched for every 8 ms at most, as in the default.
+      # The cheap ones first.
       local study=lab2013_deg_optimum.toml step iterations
       echo "smooth $study step.method=smooth step.contact_speed_m_s=0.3"
       while read -r step iterations; do
@@ -100,12 +104,14 @@ run_one() {
   local out=$1 name=$2 study=$3 key keys=()
   shift 3
   for key in "$@"; do keys+=(--set "$key"); done
-  local command=(run)
+  local command=(run) launch=()
   if [[ $study == scenes/* ]]; then
     command=(simulate --threads 1)
-    ! compgen -G "$out/$name/*_observables.csv" >/dev/null || return 0
+    ! compgen -G "$out/$name/*_observables.csv" >/dev/null || return 0 # delete the folder to have it again
+  elif [ "$ranks" -gt 1 ]; then
+    launch=(mpirun --oversubscribe -n "$ranks")
   fi
-  "$program" "${command[@]}" "schedules/$study" "${keys[@]}" -o "$out/$name" >"$out/$name.log" 2>&1 || [ $? -eq 4 ] || {
+  "${launch[@]}" "$program" "${command[@]}" "schedules/$study" "${keys[@]}" -o "$out/$name" >"$out/$name.log" 2>&1 || [ $? -eq 4 ] || {
     echo "reproduce.sh: $name: see $out/$name.log" >&2
     return 1
   }
@@ -120,14 +126,36 @@ if [ "$out" = --list ]; then
   exit
 fi
 mkdir -p "$out/$part" schedules/results
-xargs -P "$(nproc)" -I{} bash -c "run_one $out/$part {}" <<<"$list"
-mapfile -t names < <(cut -d' ' -f1 <<<"$list")
+ranks=$(($(nproc) / $(wc -l <<<"$list"))) # of each run: fewer runs than cores take more of them
+ranks=$((ranks > 1 ? ranks : 1))
+export ranks
+failed=0
+xargs -P "$(nproc)" -I{} bash -c 'run_one "$0" {}' "$out/$part" <<<"$list" || failed=1
+
+# The table has what there is.
 table=$PWD/schedules/results/$part.csv
-program=$(realpath "$program")
 cd "$out/$part"
+names=()
+for name in $(cut -d' ' -f1 <<<"$list"); do
+  if [ -e "$name/study.toml" ] || compgen -G "$name/*_observables.csv" >/dev/null; then names+=("$name"); fi
+done
 if [ "$part" = pellets ]; then
   head -qn1 "${names[0]}"/*_observables.csv | sed 's/^/run,/' >"$table"
   for name in "${names[@]}"; do sed "1d; s/^/$name,/" "$name"/*_observables.csv >>"$table"; done
 else
   "$program" compare "${names[@]}" -o "$table"
 fi
+
+# The four points of a unit as in S1's Figure 9, side by side.
+if [ "$part" = samples ] && command -v gnuplot ffmpeg >/dev/null; then
+  for unit in deg rad; do
+    pictures=()
+    for at in 0.20,0.048 0.17,0.051 0.0,0.010 0.6,0.200; do
+      "$program" sample $unit --at $at -o "figure/${unit}_$at" >/dev/null
+      pictures+=(-i "figure/${unit}_$at/sample.png")
+    done
+    ffmpeg -loglevel error -y "${pictures[@]}" -filter_complex hstack=inputs=4,scale=1500:-1 \
+      "$(dirname "$table")/samples_$unit.png"
+  done
+fi
+exit $failed

@@ -39,9 +39,9 @@ const std::string& plain_word(const std::string& option, const std::string& valu
   return value;
 }
 
-void expect_one_line(const std::string& path) {
-  if (std::any_of(path.begin(), path.end(), is_control))
-    throw InputError(fmt::format("{}: a path with control characters cannot stand in a job script", path));
+void expect_one_line(const std::string& text) {
+  if (std::any_of(text.begin(), text.end(), is_control))
+    throw InputError(fmt::format("{}: control characters cannot stand in a job script", text));
 }
 
 std::string job_name(const std::string& title) {

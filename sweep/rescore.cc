@@ -18,21 +18,17 @@ namespace drumsweep {
 namespace {
 
 /// The study with a set of changes, which must leave its landings what they are.
-Study study_with(const Study& study, const Plan& plan, const KeyChanges& changes) {
+Study study_with(const Study& study, const KeyChanges& changes) {
   Study changed = study;
   for (const std::string& change : changes) {
     const Study before = changed;
-    changed = changed_study(changed, change, "--set " + change);
-    const std::string key = change.substr(0, change.find('='));
+    changed = changed_study(changed, {change}, "--set " + change);
     for (const Difference& d : differences(before, changed))
       if (d.scope != Scope::evaluation)
         throw InputError(fmt::format(
             "--set {}: {} was {} when the designs were simulated; stored landings can only be evaluated with "
             "other [objective] keys, belt.speed_m_s and solver.residual_limit_m_s",
             change, d.key, d.stored));
-    if (std::find(plan.keys.begin(), plan.keys.end(), key) != plan.keys.end())
-      throw InputError(
-          fmt::format("--set {}: {} is a variable of the study's stages; each design has its own", change, key));
   }
   return changed;
 }
@@ -125,7 +121,7 @@ Rescored rescore(const std::string& folder, const std::vector<KeyChanges>& sets)
   Rescored all;
   all.variable_names = plan.columns;
   for (const KeyChanges& set : sets) {
-    studies.push_back(study_with(study, plan, set));
+    studies.push_back(study_with(study, set));
     all.cases.emplace_back();
     all.cases.back().changes = fmt::format("{}", fmt::join(set, " "));
   }

@@ -24,8 +24,10 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// Share of the landings that left by `exit`, and its error from the blocks.
-Observable share(const std::string& name, std::uint8_t exit, const Recording& recording, double duration,
-                 std::int64_t num_blocks) {
+Observable share(const std::string& name, std::uint8_t exit, const Study& study, const Recording& recording) {
+  // Blocks are whole turns: within one, the slots take turns.
+  const double duration = duration_of_turns(recording.turns, study.drum);
+  const auto num_blocks = static_cast<std::int64_t>(recording.turns);
   std::vector<double> by_exit(static_cast<std::size_t>(num_blocks)), all(by_exit.size());
   for (const Landing& l : recording.landings) {
     const auto block =
@@ -114,18 +116,19 @@ std::vector<Observable> observables(const Study& base, const PlannedDesign& desi
   for (std::size_t i = 0; i < e.belt.height_m.size(); ++i)
     list.push_back({"bed_height", e.belt.centre_m(i), e.belt.height_m[i], sigma[i], "m"});
 
-  // Where the balls left the drum. Blocks are whole turns: within one, the slots take turns.
-  const double duration = duration_of_turns(recording.turns, study.drum);
-  const auto num_turns = static_cast<std::int64_t>(recording.turns);
-  const auto outflow = [&](const std::string& name, std::int64_t exit) {
-    list.push_back(share("outflow_share_" + name, static_cast<std::uint8_t>(exit), recording, duration, num_turns));
-  };
-  for (std::int64_t slot = 1; slot <= study.outlet.num_slots; ++slot) outflow(fmt::format("slot_{}", slot), slot);
-  outflow("end", static_cast<std::int64_t>(Exit::end));
+  // Where the balls left the drum.
+  for (std::int64_t slot = 1; slot <= study.outlet.num_slots; ++slot)
+    list.push_back(
+        share(fmt::format("outflow_share_slot_{}", slot), static_cast<std::uint8_t>(slot), study, recording));
+  list.push_back(outflow_share_over_end(study, recording));
 
   list.push_back({"holdup", none, static_cast<double>(recording.inside), none, "balls"});
   list.push_back({"lost_balls", none, static_cast<double>(recording.lost), none, "balls"});
   return list;
+}
+
+Observable outflow_share_over_end(const Study& study, const Recording& recording) {
+  return share("outflow_share_end", static_cast<std::uint8_t>(Exit::end), study, recording);
 }
 
 SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,

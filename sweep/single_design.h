@@ -34,6 +34,9 @@ PlannedDesign design_at(const Study& study, const std::vector<double>& values);
 /// and heights from blocks of one slot's passage (postproc/objective.h), of shares from whole turns; none from one turn.
 std::vector<Observable> observables(const Study& study, const PlannedDesign& design, const Recording& recording);
 
+/// Share of the landed balls that left over the outlet's end, with an error from whole turns.
+Observable outflow_share_over_end(const Study& study, const Recording& recording);
+
 /// Runs it in a folder of its own: FOLDER/warm_state.h5 is used where it fits and made where it is not, FOLDER/ID.h5
 /// and FOLDER/ID_observables.csv are written. @throws InputError, MismatchError, LockHeldError, WriteError
 SingleDesign run_single_design(const Study& study, const std::vector<double>& values, const std::string& folder,

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -60,14 +59,25 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
   }
 }
 
-std::string change_as_toml(const std::string& change, const std::string& source) {
-  const std::size_t equals = change.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == change.size())
-    throw InputError(fmt::format("{}: needs KEY=VALUE", source));
-  const std::string value = change.substr(equals + 1);
-  const bool word = std::isalpha(static_cast<unsigned char>(value[0])) != 0 && value != "true" && value != "false" &&
-                    value != "nan" && value != "inf";
-  return fmt::format("{} = {}", change.substr(0, equals), word ? toml_text(value) : value);
+toml::table changes_as_toml(const std::vector<std::string>& changes, const std::string& source) {
+  const auto is_toml = [](const std::string& line) {
+    try {
+      static_cast<void>(toml::parse(line));
+      return true;
+    } catch (const toml::parse_error&) {
+      return false;
+    }
+  };
+  std::string text;
+  for (const std::string& change : changes) {
+    const std::size_t equals = change.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == change.size() ||
+        change.find('\n') != std::string::npos)
+      throw InputError(fmt::format("{} {}: needs KEY=VALUE", source, change));
+    const std::string value = change.substr(equals + 1);
+    text += fmt::format("{} = {}\n", change.substr(0, equals), is_toml("a = " + value) ? value : toml_text(value));
+  }
+  return parse_toml(text, source);
 }
 
 std::string toml_text(const std::string& text) {

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/config/schema.h"
 
@@ -23,9 +24,9 @@ toml::table parse_toml(const std::string& text, const std::string& source);
 std::string toml_text(const std::string& text);
 std::string toml_number(double value);
 
-/// "KEY=VALUE" of a command line as a line of TOML; a bare word is a text.
+/// "KEY=VALUE" of a command line, each a line of TOML; what is no value of TOML is a text.
 /// @param source  names the option in messages. @throws InputError
-std::string change_as_toml(const std::string& change, const std::string& source);
+toml::table changes_as_toml(const std::vector<std::string>& changes, const std::string& source);
 
 /// Whole file. @throws InputError
 std::string read_text(const std::string& path);

@@ -1,5 +1,8 @@
 #include "core/config/toml_reader.h"
 
+#include <fmt/format.h>
+
+#include <limits>
 #include <vector>
 
 #include "core/config/schema.h"
@@ -7,8 +10,9 @@
 #include "core/config/toml_fields.h"
 
 namespace drumsweep {
-Study parse_study(const std::string& text, const std::string& source, const Study& base) {
-  const toml::table root = parse_toml(text, source);
+namespace {
+
+Study study_from(const toml::table& root, const std::string& source, const Study& base) {
   Study study = base;
   FieldReader reader{source, fields(study), "stage", {}};
   reader.table(root, "");
@@ -26,14 +30,40 @@ Study parse_study(const std::string& text, const std::string& source, const Stud
   return study;
 }
 
-Study changed_study(const Study& study, const std::string& change, const std::string& source) {
-  return parse_study(change_as_toml(change, source), source, study);
+/// A value that designs replace would be taken for granted and have no effect.
+void refuse_variables(const Study& study, const toml::table& changes, const std::string& source) {
+  for (const StageConfig& stage : study.stages)
+    for (const StageVariable& v : stage.variables)
+      if (changes.at_path(v.key))
+        throw InputError(fmt::format("{}: {} is a variable of the study's stages, each design has its own{}", source,
+                                     v.key,
+                                     v.key.starts_with("outlet.") ? "; the outlet of the warm-up is [warmup]" : ""));
+}
+
+}  // namespace
+
+Study parse_study(const std::string& text, const std::string& source, const Study& base) {
+  return study_from(parse_toml(text, source), source, base);
+}
+
+Study changed_study(const Study& study, const std::vector<std::string>& changes, const std::string& source) {
+  const toml::table root = changes_as_toml(changes, source);
+  if (root.contains("stage")) throw InputError(source + ": stages can be changed in the file only");
+  refuse_variables(study, root, source);
+  Study base = study;
+  const auto other_unit = [&](const char* table, double& deg, double& rad) {
+    const bool to_deg = static_cast<bool>(root[table]["opening_angle_deg"]),
+               to_rad = static_cast<bool>(root[table]["opening_angle_rad"]);
+    if (to_deg != to_rad) (to_deg ? rad : deg) = std::numeric_limits<double>::quiet_NaN();
+  };
+  other_unit("outlet", base.outlet.opening_angle_deg, base.outlet.opening_angle_rad);
+  other_unit("warmup", base.warmup.opening_angle_deg, base.warmup.opening_angle_rad);
+  return study_from(root, source, base);
 }
 
 Study read_study(const std::string& path, const std::vector<std::string>& changes) {
-  Study study = parse_study(read_text(path), path);
-  for (const std::string& change : changes) study = changed_study(study, change, "--set " + change);
-  return study;
+  const Study study = parse_study(read_text(path), path);
+  return changes.empty() ? study : changed_study(study, changes, "--set");
 }
 
 std::string write_study(const Study& study, bool comments) {

@@ -71,7 +71,7 @@ struct SceneFile {
 bool is_scene_file(const std::string& path);
 
 /// @throws InputError: unknown type or key with "did you mean", wrong type or range, or what the scene cannot do
-/// @param changes  of the command line, made one after the other: "scene.fill=0.3"
+/// @param changes  of the command line: "scene.fill=0.3"
 SceneFile read_scene(const std::string& path, const std::vector<std::string>& changes = {});
 SceneFile parse_scene(const std::string& text, const std::string& source);
 

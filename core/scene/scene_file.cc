@@ -64,11 +64,10 @@ bool is_scene_file(const std::string& path) { return parse_toml(read_text(path),
 
 SceneFile read_scene(const std::string& path, const std::vector<std::string>& changes) {
   SceneFile file = parse_scene(read_text(path), path);
-  for (const std::string& change : changes) {
-    const std::string source = "--set " + change;
-    if (change.starts_with("scene.type")) throw InputError(source + ": is another scene, with keys of its own");
-    read_keys(parse_toml(change_as_toml(change, source), source), source, file);
-  }
+  if (changes.empty()) return file;
+  const toml::table root = changes_as_toml(changes, "--set");
+  if (root["scene"]["type"]) throw InputError("--set scene.type: another scene has other keys; write a file for it");
+  read_keys(root, "--set", file);
   return file;
 }
 

@@ -1,6 +1,7 @@
 /// Whole sweeps by the real program: ranks, kills, signals, resuming, refusals.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
 
 #include <regex>
 #include <sstream>
@@ -512,12 +513,17 @@ TEST(Sweep, keys_set_on_the_command_line_are_part_of_the_study_and_folders_are_c
   EXPECT_NE(csv.find("\neleven,11,"), std::string::npos) << csv;
   EXPECT_NE(both.out.find("eleven          11"), std::string::npos) << both.out;
   EXPECT_EQ(drumsweep(folder, {"compare", "ten", "none"}).code, 2);
+  const std::string frozen = file_text(folder / "ten/study.toml");
+  EXPECT_EQ(drumsweep(folder, {"compare", "ten", "-o", "ten/study.toml"}).code, 2);
+  EXPECT_EQ(file_text(folder / "ten/study.toml"), frozen);
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(drumsweep(folder, {"compare", "ten", "-o", "pipe"}).code, 2);
 }
 
 TEST(Papers, every_run_of_the_reproduction_is_a_valid_study_with_these_keys) {
   const TestFolder folder;
   const std::string schedules = DRUMSWEEP_SOURCE_DIR "/schedules";
-  for (const char* part : {"samples", "holdup", "convergence", "adaptive", "pellets"}) {
+  for (const char* part : {"samples", "line", "holdup", "convergence", "adaptive", "pellets"}) {
     Program list(folder, {"bash", schedules + "/reproduce.sh", part, "--list"});
     ASSERT_EQ(list.wait(), 0) << list.err();
     std::istringstream lines(list.out());

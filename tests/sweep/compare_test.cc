@@ -40,18 +40,41 @@ TEST_F(Compare, shows_the_keys_that_differ_and_the_designs_of_all_folders) {
   const Comparison all = compare(folders_);
   EXPECT_EQ(all.keys, std::vector<std::string>{"solver.iterations"});
   EXPECT_EQ(all.variable_names, (std::vector<std::string>{"opening_angle_deg", "replicate"}));
-  ASSERT_EQ(all.designs.size(), 3u);
   EXPECT_EQ(all.folders[0].values, std::vector<std::string>{"10"});
   EXPECT_EQ(all.folders[1].values, std::vector<std::string>{"77"});
-  for (const ComparedDesign& d : all.designs) {
-    ASSERT_EQ(d.variables.size(), 2u);
-    EXPECT_EQ(d.variables[1 - d.folder], d.folder == 0 ? 0 : 1) << "the study's own";
-    EXPECT_NEAR(d.over_end, 0.25, 0.01);
-    EXPECT_GT(d.row.f_m, 0);
-  }
+  ASSERT_EQ(all.folders[0].designs.size(), 2u);
+  ASSERT_EQ(all.folders[1].designs.size(), 1u);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (const ComparedDesign& d : all.folders[i].designs) {
+      ASSERT_EQ(d.variables.size(), 2u);
+      EXPECT_EQ(d.variables[1 - i], i == 0 ? 0 : 1) << "the study's own";
+      EXPECT_NEAR(d.over_end, 0.25, 0.01);
+      EXPECT_GT(d.row.f_m, 0);
+    }
   EXPECT_EQ(all.folders[0].warm_balls, 0);
   ASSERT_EQ(all.warnings.size(), 1u);
   EXPECT_NE(all.warnings[0].find("1 of 2 designs are not there"), std::string::npos) << all.warnings[0];
+}
+
+TEST_F(Compare, a_failed_design_has_its_reason_and_a_damaged_drum_is_said) {
+  const Plan plan = plan_designs(studies_[1]);
+  write_failure({folders_[1]}, plan.designs[1], "by hand");
+  write_durably(OutputPaths{folders_[0]}.warm_state(), "garbage");
+  const Comparison all = compare(folders_);
+  ASSERT_EQ(all.folders[1].designs.size(), 2u);
+  EXPECT_EQ(all.folders[1].designs[1].row.state, "failed");
+  EXPECT_EQ(all.folders[1].designs[1].row.reason, "by hand");
+  ASSERT_EQ(all.warnings.size(), 1u);
+  EXPECT_NE(all.warnings[0].find("warm_state.h5"), std::string::npos) << all.warnings[0];
+  EXPECT_EQ(all.folders[0].designs.size(), 2u);
+}
+
+TEST_F(Compare, another_outlet_of_the_warm_up_is_a_difference) {
+  Study other = studies_[0];
+  other.outlet.base_width_m *= 1.01;
+  const std::string folder = (scratch_.path / "c").string();
+  const Store store(folder, other);
+  EXPECT_EQ(compare({folders_[0], folder}).keys, std::vector<std::string>{"outlet.base_width_m"});
 }
 
 TEST_F(Compare, table_has_as_many_cells_in_every_line) {

@@ -97,8 +97,26 @@ TEST(StudyFile, keys_set_on_the_command_line_stand_over_the_file) {
   EXPECT_EQ(changed.outlet.bisector_sense, "against_rotation");
   EXPECT_EQ(changed.stages.size(), read_study(path).stages.size());
   EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iteration=7"}); }), "did you mean solver.iterations?"));
-  EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iterations=0"}); }), "--set solver.iterations=0"));
-  EXPECT_TRUE(has(complaint([&] { read_study(path, {"solver.iterations"}); }), "needs KEY=VALUE"));
+  const auto refusal = [&](const std::string& change) { return complaint([&] { read_study(path, {change}); }); };
+  EXPECT_TRUE(has(refusal("solver.iterations=0"), "--set: solver.iterations = 0: accepted is"));
+  EXPECT_TRUE(has(refusal("solver.iterations"), "needs KEY=VALUE"));
+  EXPECT_TRUE(has(refusal("seed=1\nsolver.iterations=5"), "needs KEY=VALUE"));
+  EXPECT_TRUE(has(refusal("stage=[]"), "in the file only"));
+  EXPECT_TRUE(has(refusal("outlet.base_width_m=0.03"), "each design has its own"));
+  EXPECT_EQ(read_study(path, {"name=3 mm"}).name, "3 mm");
+  // All at once: each of these alone does not fit the other.
+  EXPECT_EQ(
+      read_study(path, {"drum.texture.height_min_m=0.02", "drum.texture.height_max_m=0.03"}).drum.texture.height_min_m,
+      0.02);
+}
+
+TEST(StudyFile, an_angle_set_on_the_command_line_may_be_in_the_other_unit) {
+  const std::string path = DRUMSWEEP_SOURCE_DIR "/schedules/scenes/../campaign/study.toml";
+  const Study before = read_study(path), after = read_study(path, {"warmup.opening_angle_rad=0.01"});
+  EXPECT_TRUE(std::isnan(after.warmup.opening_angle_deg));
+  EXPECT_EQ(opening_angle_rad(warmup_outlet(after)), 0.01);
+  const Study small = changed_study(small_drum(), {"outlet.opening_angle_rad=0.1"}, "--set");
+  EXPECT_EQ(opening_angle_rad(small.outlet), 0.1);
 }
 
 TEST(StudyFile, setting_the_angle_in_one_unit_clears_the_other) {

@@ -36,7 +36,7 @@ TEST(SceneFile, keys_set_on_the_command_line_stand_over_the_file) {
   EXPECT_EQ(file.physics.solver.iterations, 77);
   EXPECT_NE(write_scene(file, false).find("angle_deg = 7.5"), std::string::npos);
   EXPECT_THROW(read_scene(path, {"scene.angle_deg=1000"}), InputError);
-  EXPECT_THROW(read_scene(path, {"scene.type=drop"}), InputError);
+  EXPECT_THROW(read_scene(path, {" scene.type=drop"}), InputError);
 }
 
 TEST(SceneFile, complaints_name_file_line_key_value_and_what_is_accepted) {
