@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -39,12 +40,12 @@ void need_place_for(const std::string& file) {
   if (folder.empty()) folder = ".";
   if (!std::filesystem::is_directory(folder, error))
     throw InputError(fmt::format("{}: there is no folder {}; make it first", file, folder.string()));
-  const OutputPaths own{folder.string()};
-  for (const std::string& path : {own.study(), own.warm_state(), own.results(), own.findings(), own.results_image(),
-                                  own.provenance(), own.log(), own.lock()})
-    if (std::filesystem::exists(own.study(), error) &&
-        std::filesystem::path(path).filename() == std::filesystem::path(file).filename())
-      throw InputError(file + ": is the run's own file; choose another name");
+  const OutputPaths run{folder.string()};
+  const auto own = {run.study(),         run.warm_state(), run.results(), run.findings(),
+                    run.results_image(), run.provenance(), run.log(),     run.lock()};
+  const std::string path = (folder / std::filesystem::path(file).filename()).string();
+  if (std::filesystem::exists(run.study(), error) && std::find(own.begin(), own.end(), path) != own.end())
+    throw InputError(file + ": is the run's own file; choose another name");
   if (::access(folder.c_str(), W_OK) != 0)
     throw InputError(fmt::format("{}: the folder {} cannot be written to", file, folder.string()));
 }

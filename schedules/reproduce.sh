@@ -149,7 +149,7 @@ else
 fi
 
 # The four points of a unit as in S1's Figure 9, side by side.
-if [ "$part" = samples ] && command -v gnuplot ffmpeg >/dev/null; then
+if [ "$part" = samples ] && command -v gnuplot >/dev/null && command -v ffmpeg >/dev/null; then
   for unit in deg rad; do
     pictures=()
     for at in 0.20,0.048 0.17,0.051 0.0,0.010 0.6,0.200; do

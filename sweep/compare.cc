@@ -126,6 +126,7 @@ Comparison compare(const std::vector<std::string>& paths_of_folders) {
     }
     const std::map<std::string, double> cpu_s = cpu_of_designs(paths);
     RecordingIndex recordings(paths);
+    StudyProbe own(study);
     std::size_t missing = 0;
     for (const std::size_t k : table_order(plan)) {
       const PlannedDesign& design = plan.designs[k];
@@ -136,7 +137,7 @@ Comparison compare(const std::vector<std::string>& paths_of_folders) {
           continue;
         }
         if (const auto found = cpu_s.find(design.id); found != cpu_s.end()) one->cpu_s = found->second;
-        StudyProbe own(study);
+        own.reset();
         for (const auto& [key, value] : design.values) own.set(key, value);
         for (const auto& [key, name] : variables) one->variables.push_back(own.get(key));
         folder.designs.push_back(std::move(*one));
