@@ -100,6 +100,12 @@ void add_run(CLI::App& app, int& exit_code) {
           "failed: try designs again that have failed; lost: those in quarantine, whose process died every time")
       ->delimiter(',')
       ->check(CLI::IsMember({"failed", "lost"}));
+  command
+      ->add_option("--hang", options->hang_s,
+                   "a rank whose engine takes longer than so many seconds for one step is ended as if it had crashed; "
+                   "0: never")
+      ->capture_default_str()
+      ->check(number_between(0, 1e6));
   command->add_flag("--dedicated-master,!--no-dedicated-master", options->dedicated_master,
                     "rank 0 only serves the others, or simulates too [default: only serves above 32 ranks]");
   command->add_flag("--survive", options->survive,
@@ -125,8 +131,7 @@ void add_run(CLI::App& app, int& exit_code) {
       "(exit 5). SIGINT, SIGTERM and SIGUSR2 stop within a step, with a checkpoint (exit 3); SIGUSR1 writes one and "
       "goes "
       "on.\n"
-      "A design that crashes its process twice is put into quarantine: see OUT/quarantine. A design that hangs is not "
-      "seen.");
+      "A design that crashes its process twice is put into quarantine: see OUT/quarantine; a hang counts as a crash.");
   command->callback([options, stop_before, retry, &exit_code] {
     if (!stop_before->empty()) options->stop_before_s = seconds_of_clock(*stop_before);
     set_retry(*retry, *options);

@@ -21,6 +21,7 @@ struct SweepOptions {
 
   double checkpoint_interval_s = 10;  ///< of the state inside a design, see checkpoint.h
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();  ///< of the program
+  double hang_s = 600;                  ///< a rank whose engine takes longer for a step is ended; 0: never
   std::optional<double> stop_before_s;  ///< since `begin`; then all has ended in good order
   bool retry_failed = false, retry_lost = false;
   std::optional<bool> dedicated_master;  ///< rank 0 only serves; not given: above 32 ranks

@@ -8,6 +8,7 @@
 #include <climits>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -26,6 +27,7 @@ std::array<struct sigaction, fatal.size()> before;
 std::array<char, PATH_MAX> note_path;
 std::array<char, 128> note_text;
 volatile std::sig_atomic_t note_size = 0;  ///< 0: nothing to write
+volatile std::sig_atomic_t hangs = 0;
 alignas(16) std::array<char, 65536> handler_stack;
 
 extern "C" void leave_note(int number) {
@@ -36,9 +38,10 @@ extern "C" void leave_note(int number) {
     if (file >= 0) {
       // One write, so that the note is whole or can be told to be torn.
       char text[192];
-      const auto size = static_cast<std::size_t>(note_size), name = std::strlen(fatal[i].name);
+      const char* const cause = hangs ? "hang\n" : fatal[i].name;
+      const auto size = static_cast<std::size_t>(note_size), name = std::strlen(cause);
       std::memcpy(text, note_text.data(), size);
-      std::memcpy(text + size, fatal[i].name, name);
+      std::memcpy(text + size, cause, name);
       [[maybe_unused]] const ssize_t ignored = ::write(file, text, size + name);
       ::fsync(file);
       ::close(file);
@@ -61,6 +64,11 @@ void install_crash_handler() {
     action.sa_flags = SA_ONSTACK;
     ::sigaction(fatal[i].number, &action, &before[i]);
   }
+}
+
+void abort_as_hang() {
+  hangs = 1;
+  std::abort();
 }
 
 CrashNote::CrashNote(const std::string& path, int attempt) {

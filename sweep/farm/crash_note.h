@@ -1,4 +1,4 @@
-/// The last words of a process that dies of its own fault: SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT.
+/// The last words of a process that dies of its own fault: SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, or a hang.
 #pragma once
 
 #include <optional>
@@ -11,6 +11,9 @@ namespace drumsweep {
 /// from text prepared beforehand. A stack that has run over is handled on a stack of its own.
 void install_crash_handler();
 
+/// Dies of SIGABRT, with "hang" in the note. From any thread.
+[[noreturn]] void abort_as_hang();
+
 /// While it lives, a crash writes `path`: which attempt, and which signal. One at a time.
 class CrashNote {
  public:
@@ -22,7 +25,7 @@ class CrashNote {
 
 struct Crash {
   int attempt;
-  std::string signal;
+  std::string signal;  ///< its name, or "hang"
 };
 /// Nothing where there is no such file or it is torn.
 std::optional<Crash> read_crash_note(const std::string& path);

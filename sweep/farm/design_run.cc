@@ -12,6 +12,7 @@
 #include "core/scene/cpu_clock.h"
 #include "sweep/farm/checkpoint.h"
 #include "sweep/farm/crash_note.h"
+#include "sweep/farm/hang_watch.h"
 #include "sweep/farm/test_fault.h"
 
 namespace drumsweep {
@@ -37,17 +38,23 @@ DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, c
   const CrashNote crash_note(paths.crash(design.id), how.attempt);
   Checkpoint checkpoint(paths, study, design, how.attempt, how.checkpoint_interval_s);
   TestFault fault(index);
+  HangWatch watch(fmt::format("design {} on {}", design.id, host), how.hang_s);
   try {
     DesignProgress progress = checkpoint.read();
     outcome.note = checkpoint.note();
     if (progress.begun)
       outcome.note = fmt::format("goes on from its checkpoint at outer step {}", progress.state.num_steps);
     const Observer between_steps = [&](const Progress& at) {
-      checkpoint.between_steps(progress, at);
+      {
+        const HangWatch::Pause pause(watch);
+        checkpoint.between_steps(progress, at);
+      }
       fault.between_steps(at, progress);
+      const HangWatch::Pause pause(watch);
       return !observer || observer(at);
     };
     const Recording recording = continue_design(study, warm, design.values, progress, between_steps, how.threads);
+    const HangWatch::Pause no_more_steps(watch);
     if (recording.stopped) {
       outcome.kind = DesignOutcome::Kind::stopped;
       checkpoint.save(progress);

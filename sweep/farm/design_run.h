@@ -24,6 +24,7 @@ struct RunHow {
   int threads = 1;
   int attempt = 1;  ///< how often the design has been begun, this time included
   double checkpoint_interval_s = 10;
+  double hang_s = 600;  ///< see hang_watch.h
 };
 
 /// Simulates the design, from its checkpoint where there is one, and writes its recording (or its failure) durably before

@@ -17,6 +17,7 @@
 #include "postproc/objective.h"
 #include "sweep/farm/agenda.h"
 #include "sweep/farm/design_run.h"
+#include "sweep/farm/hang_watch.h"
 #include "sweep/farm/roll_call.h"
 #include "sweep/plan/findings.h"
 #include "sweep/progress.h"
@@ -131,7 +132,9 @@ class Master {
     const auto begin = Clock::now();
     const double cpu_begin = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
     const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study_, w)); };
+    HangWatch watch(fmt::format("warm-up on {}", farm_.host()), options_.hang_s);
     const auto end_window = [&](const WarmState& w) {
+      const HangWatch::Pause pause(watch);
       save(w);
       const WarmupWindow& last = w.windows.back();
       reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
@@ -142,6 +145,7 @@ class Master {
     int requests = num_checkpoint_requests();
     const bool ended = observed([&](const Observer& observer) {
       const Observer between_steps = [&](const Progress& at) {
+        const HangWatch::Pause pause(watch);
         if (requests != num_checkpoint_requests()) save(warm);
         requests = num_checkpoint_requests();
         return observer(at);
@@ -246,7 +250,8 @@ class Master {
     if (!index) return;
     flush();
     const PlannedDesign design = plan().designs[*index];  // a copy: the plan may grow meanwhile
-    const RunHow how{options_.threads, agenda_.provenance().attempts(design.id), options_.checkpoint_interval_s};
+    const RunHow how{options_.threads, agenda_.provenance().attempts(design.id), options_.checkpoint_interval_s,
+                     options_.hang_s};
     const DesignOutcome outcome = observed([&](const Observer& observer) {
       return simulate_and_store(agenda_.paths(), study_, warm_, design, *index, farm_.host(), observer, how);
     });

@@ -1,11 +1,13 @@
 #include "sweep/farm/test_fault.h"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "core/config/schema.h"
 
@@ -22,10 +24,11 @@ TestFault::TestFault(std::size_t index) {
     if (what == "segv") kind = Kind::segv;
     if (what == "abort") kind = Kind::abort;
     if (what == "kill") kind = Kind::kill;
+    if (what == "hang") kind = Kind::hang;
     if (what == "nan") kind = Kind::nan;
     if (what == "throw") kind = Kind::exception;
     if (kind == Kind::none || colon == std::string::npos)
-      throw InputError("DRUMSWEEP_TEST_FAULT = " + item + ": accepted is segv|abort|kill|nan|throw:INDEX");
+      throw InputError("DRUMSWEEP_TEST_FAULT = " + item + ": accepted is segv|abort|kill|hang|nan|throw:INDEX");
     if (std::strtoull(item.c_str() + colon + 1, nullptr, 10) == index) kind_ = kind;
   }
 }
@@ -41,6 +44,8 @@ void TestFault::between_steps(const Progress& at, DesignProgress& progress) {
     case Kind::kill:
       ::raise(SIGKILL);
       break;
+    case Kind::hang:
+      for (;;) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     case Kind::nan:
       if (progress.landings.empty()) return;
       progress.landings.back().y = std::numeric_limits<double>::quiet_NaN();

@@ -3,6 +3,7 @@
 /// DRUMSWEEP_TEST_FAULT=WHAT:INDEX[,WHAT:INDEX...] makes the design with this index in the plan fail, in the middle of
 /// its run and every time:
 ///   segv, abort  the process dies of that signal       kill   of SIGKILL, so that nothing is left to say why
+///   hang         the step never ends
 ///   nan          a landing is not a number            throw  the engine throws an exception
 #pragma once
 
@@ -20,7 +21,7 @@ class TestFault {
   void between_steps(const Progress& at, DesignProgress& progress);
 
  private:
-  enum class Kind { none, segv, abort, kill, nan, exception } kind_ = Kind::none;
+  enum class Kind { none, segv, abort, kill, hang, nan, exception } kind_ = Kind::none;
 };
 
 }  // namespace drumsweep

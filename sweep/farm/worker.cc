@@ -86,7 +86,7 @@ struct Worker {
     std::exception_ptr trouble;
     const Assignment given = unpack_assignment(body);
     DesignOutcome outcome{given.index, DesignOutcome::Kind::stopped, 0, 0, farm.host(), "", ""};
-    const RunHow how{options.threads, given.attempt, options.checkpoint_interval_s};
+    const RunHow how{options.threads, given.attempt, options.checkpoint_interval_s, options.hang_s};
     if (!gave_up && !stop_requested())
       outcome = simulate_and_store(
           paths, study, warm.value().state, given.design, outcome.index, outcome.host,

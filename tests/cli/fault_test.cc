@@ -115,6 +115,32 @@ TEST(Fault, a_design_that_crashes_its_process_twice_is_quarantined_with_its_inpu
   expect_same_results(folder / "reference", folder / "segv:1");
 }
 
+TEST(Fault, a_hang_is_ended_and_counts_as_a_crash_and_a_sleep_does_not) {
+  const TestFolder folder;
+  write_text(folder / "study.toml", tiny_study(4, 2));
+  std::vector<int> codes;
+  for (int i = 0; i < 3; ++i) {
+    Program program(folder, with_fault("hang:1", under_mpirun(2, run_words("out", {"--hang", "2"}))));
+    codes.push_back(program.wait());
+    if (i < 2) {
+      EXPECT_NE(program.err().find("no step for 2 s: it hangs"), std::string::npos) << program.err();
+    }
+  }
+  EXPECT_NE(codes[0], 0);
+  EXPECT_NE(codes[1], 0);
+  EXPECT_EQ(codes[2], 4);
+  const std::string table = file_text(folder / "out/results.csv");
+  EXPECT_NE(table.find("quarantined: crashed its process 2 times (hang)"), std::string::npos) << table;
+  EXPECT_EQ(count_files(folder / "out/designs", ".h5"), 3u);
+
+  Program program(folder, {DRUMSWEEP_BINARY, "run", "study.toml", "-o", "asleep", "--hang", "2"});
+  for (int i = 0; i < 2000 && !std::filesystem::exists(folder / "asleep/provenance.csv"); ++i) sleep_ms(5);
+  program.signal(SIGSTOP);
+  sleep_ms(3000);
+  program.signal(SIGCONT);
+  EXPECT_EQ(program.wait(), 0);
+}
+
 TEST(Fault, a_design_whose_process_is_killed_five_times_without_getting_further_is_quarantined) {
   const TestFolder folder;
   write_text(folder / "study.toml", tiny_study(4, 2));
