@@ -16,7 +16,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct BenchArguments {
   BenchOptions bench;
   int threads = 1;
   std::string setting = "s1";
@@ -24,7 +24,7 @@ struct Options {
   bool json = false;
 };
 
-void print_json(const BenchResult& r, const Options& options) {
+void print_json(const BenchResult& r, const BenchArguments& options) {
   JsonObject phases, all;
   for (std::size_t i = 0; i < phase_names.size(); ++i) phases.number(phase_names[i], r.phase_s[i]);
   all.number("balls", r.balls)
@@ -44,7 +44,7 @@ void print_json(const BenchResult& r, const Options& options) {
   fmt::print("{}\n", all.str());
 }
 
-void print_text(const BenchResult& r, const Options& options) {
+void print_text(const BenchResult& r, const BenchArguments& options) {
   const double h = r.time_step_s;
   fmt::print("lab drum, {:.3g} m long, steady: {:.0f} balls, {:.0f} contact rows ({:.0f} press), {} thread\n",
              r.study.drum.length_m, r.balls, r.contacts, r.pressed, options.threads);
@@ -65,7 +65,7 @@ void print_text(const BenchResult& r, const Options& options) {
              r.quality.residual.mean, 100 * r.quality.mean_overlap, r.hash);
 }
 
-int bench(const Options& options) {
+int bench(const BenchArguments& options) {
   if (options.threads < 1) throw InputError(fmt::format("--threads {}: accepted is 1 and more", options.threads));
   BenchOptions bench_options = options.bench;
   bench_options.threads = options.threads;
@@ -90,7 +90,7 @@ int bench(const Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchArguments>();
   CLI::App* command = app.add_subcommand("bench", "Measure this machine's speed on the steady lab drum, per phase.");
   command->add_option("--balls", options->bench.balls, "balls inside, about; set by the drum's length at equal load")
       ->capture_default_str()

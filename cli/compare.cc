@@ -17,7 +17,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct CompareArguments {
   std::vector<std::string> folders;
   std::string file;
 };
@@ -88,7 +88,7 @@ void print(const std::vector<Line>& table) {
   }
 }
 
-void run(const Options& options) {
+void run(const CompareArguments& options) {
   if (!options.file.empty()) need_place_for(options.file);
   const Comparison all = compare(options.folders);
   for (const std::string& warning : all.warnings) fmt::print(stderr, "drumsweep: {}\n", warning);
@@ -101,7 +101,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_compare(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
       "compare",
       "Output folders of several studies side by side, with the keys in which they differ. Simulates nothing.");

@@ -21,7 +21,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct ContourArguments {
   std::string folder, file, surface = "auto";
   std::vector<std::string> slices;
   double tolerance_m = not_given;
@@ -45,7 +45,7 @@ bool is_figure(const std::string& file) {
   return ending == ".png" || ending == ".svg" || ending == ".gp";
 }
 
-void contour(Options options) {
+void contour(ContourArguments options) {
   need_place_for(options.file);
   if (options.contour.matrix && std::filesystem::path(options.file).extension() != ".csv")
     throw InputError(fmt::format("--matrix: makes a table, {} is to be a figure; accepted: .csv", options.file));
@@ -88,7 +88,7 @@ void contour(Options options) {
 }  // namespace
 
 void add_contour(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ContourArguments>();
   CLI::App* command = app.add_subcommand("contour", "f over two design variables, as a table or a figure.");
   command->add_option("OUT", options->folder, "output folder of a run")->required();
   command

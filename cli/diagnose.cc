@@ -23,7 +23,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct DiagnoseArguments {
   std::string campaign, folder, template_folder, before;
   std::vector<std::string> after;
   int threads = 1;
@@ -162,7 +162,7 @@ void check_swept(const DiagnosisReport& report, const std::string& before, const
   }
 }
 
-int diagnose_campaign(const Options& options) {
+int diagnose_campaign(const DiagnoseArguments& options) {
   if (!options.template_folder.empty()) return write_template(options.template_folder);
   if (options.campaign.empty()) throw InputError("CAMPAIGN.toml or --template DIR: one of them is needed");
   Farm farm;
@@ -221,7 +221,7 @@ int diagnose_campaign(const Options& options) {
 }  // namespace
 
 void add_diagnose(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DiagnoseArguments>();
   CLI::App* command = app.add_subcommand(
       "diagnose", "Measured data against the model: what is wrong, why, and what an extension gains.");
   command->add_option("CAMPAIGN", options->campaign,

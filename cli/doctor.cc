@@ -16,7 +16,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options : DoctorOptions {
+struct DoctorArguments : DoctorOptions {
   bool json = false;
 };
 
@@ -67,7 +67,7 @@ void expect_pmi() {
       "srun has started {} processes without PMIx, so they do not see each other: srun --mpi=pmix, or mpirun", tasks));
 }
 
-int doctor(const Options& options) {
+int doctor(const DoctorArguments& options) {
   DoctorReport report;
   try {
     expect_pmi();
@@ -91,7 +91,7 @@ int doctor(const Options& options) {
 }  // namespace
 
 void add_doctor(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DoctorArguments>();
   CLI::App* command = app.add_subcommand("doctor", "Is this machine, this MPI, this file system fit for a sweep?");
   command->add_option("-o,--output", options->folder, "where results would go; need not exist")->capture_default_str();
   command->add_option("--threads", options->threads, "threads that each rank would use")

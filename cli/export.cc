@@ -23,7 +23,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct ExportArguments {
   MomentOptions moment;
   std::string format, folder;
 };
@@ -85,7 +85,7 @@ void write_moment(const Still& still, const std::string& format, Folder& folder)
 }
 
 /// The recorded landings of a folder's design as points on the moving belt; nothing where it has none yet.
-void write_landings(const Options& options, const Moment& moment, Folder& folder) {
+void write_landings(const ExportArguments& options, const Moment& moment, Folder& folder) {
   if (!moment.design) return;
   const Study study = read_frozen_study(options.moment.path);
   const StoredDesign stored = read_design({options.moment.path}, study, *moment.design);
@@ -136,7 +136,7 @@ void say(const Folder& folder, const Moment& moment, const std::string& format) 
         "--help`.\n");
 }
 
-int export_moment(const Options& options) {
+int export_moment(const ExportArguments& options) {
   install_stop_signals();
   const bool meshes_only = options.format == "stl" || options.format == "obj";
   const bool several = options.moment.frames > 1;
@@ -174,7 +174,7 @@ int export_moment(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "States, trajectories, landings and walls for ParaView and CAD.");
   add_moment_options(*command, options->moment);
   command

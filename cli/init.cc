@@ -35,7 +35,7 @@ std::set<std::string> offered() {
   return names;
 }
 
-struct Options {
+struct InitArguments {
   std::string preset = "quick", folder;
 };
 
@@ -52,7 +52,7 @@ std::string explained(const Schedule& schedule) {
   return write_scene(file, true);
 }
 
-void init(const Options& options) {
+void init(const InitArguments& options) {
   const std::vector<Schedule> list = schedules_of(options.preset);
   const bool scenes = options.preset == "scenes";
   std::vector<std::pair<std::string, std::string>> files;
@@ -87,7 +87,7 @@ void init(const Options& options) {
 }  // namespace
 
 void add_init(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InitArguments>();
   CLI::App* command = app.add_subcommand("init", "Write commented study files that run as they are.");
   command
       ->add_option("--preset", options->preset,

@@ -17,7 +17,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct PictureArguments {
   MomentOptions moment;
   PictureOptions picture;
   std::string file, size, view, colour;
@@ -39,7 +39,7 @@ int stopped() {
   return exit_stopped;
 }
 
-int animate(Options options, const Moment& moment, double lead) {
+int animate(PictureArguments options, const Moment& moment, double lead) {
   Reporter reporter;
   options.picture.soft_shadows = false;
   Animation animation(options.file, options.picture);
@@ -56,7 +56,7 @@ int animate(Options options, const Moment& moment, double lead) {
   return exit_done;
 }
 
-int picture(Options options) {
+int picture(PictureArguments options) {
   install_stop_signals();
   if (!options.animate && !options.file.ends_with(".png"))
     throw InputError(options.file + ": unknown ending, accepted: .png, or with --animate .gif and .mp4");
@@ -88,7 +88,7 @@ int picture(Options options) {
 }  // namespace
 
 void add_picture(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PictureArguments>();
   options->moment.frames = 48;
   CLI::App* command = app.add_subcommand(
       "picture", "Render a stored drum or scene: balls and walls, cut open on the near side; or film its discharge.");

@@ -27,7 +27,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct PlanArguments {
   std::string study, folder;
   std::vector<std::string> changes;
   int ranks = 1;
@@ -100,7 +100,7 @@ double rounds(const Study& study, std::size_t s, std::size_t num_designs, int ra
   return in_rounds(n);
 }
 
-void plan(const Options& options) {
+void plan(const PlanArguments& options) {
   const Study study = read_study(options.study, options.changes);
   if (study.stages.empty()) throw InputError(options.study + ": has no [[stage]], so there is nothing to plan");
   const std::string folder =
@@ -113,19 +113,19 @@ void plan(const Options& options) {
   const bool measured = stored.seconds_per_design > 0;
   const double per_design = measured ? stored.seconds_per_design : e.design_core_s;
 
-  struct Line {
+  struct Tally {
     std::size_t run = 0, reused = 0, impossible = 0, further = 0;
   };
-  std::vector<Line> lines(plan.stages.size());
+  std::vector<Tally> lines(plan.stages.size());
   for (const PlannedDesign& design : plan.designs) {
-    Line& line = lines[design.stage_number];
+    Tally& line = lines[design.stage_number];
     if (!design.impossible.empty())
       ++line.impossible;
     else
       ++(stored.rows.count(design.id) > 0 ? line.reused : line.run);
   }
   // Stages wait for the ones before them, so each ends with its own last round.
-  Line all;
+  Tally all;
   double wall_s = stored.warm ? 0 : e.warmup_core_s;
   for (std::size_t s = 0; s < lines.size(); ++s) {
     lines[s].further = most_further_designs(study, plan, s);
@@ -190,7 +190,7 @@ void plan(const Options& options) {
 }  // namespace
 
 void add_plan(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanArguments>();
   CLI::App* command =
       app.add_subcommand("plan", "What a run would simulate, what is there already, and what it costs. Runs nothing.");
   command->add_option("STUDY", options->study, "study file (TOML)")->required();

@@ -15,12 +15,12 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct ReportArguments {
   std::string folder, file;
   ReportOptions report;
 };
 
-int report(const Options& options) {
+int report(const ReportArguments& options) {
   install_stop_signals();
   if (!options.file.ends_with(".html")) throw InputError(options.file + ": unknown ending, accepted: .html");
   need_place_for(options.file);
@@ -39,7 +39,7 @@ int report(const Options& options) {
 }  // namespace
 
 void add_report(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportArguments>();
   CLI::App* command =
       app.add_subcommand("report", "One self-contained page about a sweep: answer, evidence, provenance.");
   command->add_option("OUT", options->folder, "output folder of a run; may be going on, and is not changed")

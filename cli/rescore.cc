@@ -18,7 +18,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct RescoreArguments {
   std::string folder, file;
   std::vector<std::vector<std::string>> named;  ///< values of named_keys, in their order
   std::vector<std::string> set;
@@ -53,7 +53,7 @@ std::vector<std::string> changes_of(const std::string& text) {
 }
 
 /// All combinations of the values that were given for each key, the first key slowest.
-std::vector<KeyChanges> combinations(const Options& options) {
+std::vector<KeyChanges> combinations(const RescoreArguments& options) {
   constexpr std::size_t most = 1000;
   std::vector<std::string> keys;
   for (std::size_t i = 0; i < options.named.size(); ++i)
@@ -152,7 +152,7 @@ void print_text(const Rescored& all, const std::string& file, const std::string&
   fmt::print("{} and {}\n", file, summary);
 }
 
-void run_rescore(const Options& options) {
+void run_rescore(const RescoreArguments& options) {
   if (!options.file.ends_with(".csv")) throw InputError(options.file + ": unknown ending, accepted: .csv");
   need_place_for(options.file);
   const Rescored all = rescore(options.folder, combinations(options));
@@ -170,7 +170,7 @@ void run_rescore(const Options& options) {
 }  // namespace
 
 void add_rescore(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RescoreArguments>();
   options->named.resize(std::size(named_keys));
   CLI::App* command = app.add_subcommand(
       "rescore", "Evaluate the stored landings of all designs with other weights, belt speed ...; simulates nothing.");

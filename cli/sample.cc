@@ -21,7 +21,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct SampleArguments {
   std::string folder, id, output;
   std::vector<double> at;
   std::optional<double> replicate;
@@ -69,7 +69,7 @@ std::vector<std::string> notes_of(const Looked& looked) {
   return notes;
 }
 
-Looked look(const Options& options) {
+Looked look(const SampleArguments& options) {
   const OutputPaths paths{options.folder};
   const Study study = read_frozen_study(options.folder);
   const Plan plan = plan_of_folder(paths, study);
@@ -143,7 +143,7 @@ void print_text(const Looked& looked, const std::vector<std::string>& files) {
   for (const std::string& file : files) fmt::print("file       {}\n", file);
 }
 
-void sample(const Options& options) {
+void sample(const SampleArguments& options) {
   if (options.id.empty() == options.at.empty())
     throw InputError("sample: needs --at with values or --id, and not both; `drumsweep sample --help` has examples");
   if (options.replicate && !options.id.empty())
@@ -167,7 +167,7 @@ void sample(const Options& options) {
 }  // namespace
 
 void add_sample(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SampleArguments>();
   CLI::App* command = app.add_subcommand(
       "sample", "Landings, bed, mean profile and spectrum of one finished design, from its stored landings.");
   command->add_option("OUT", options->folder, "output folder of a run")->required();

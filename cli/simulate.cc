@@ -22,7 +22,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct SimulateArguments {
   std::string study, folder;
   std::vector<std::string> changes;
   std::vector<double> at;
@@ -78,7 +78,7 @@ void print_text(const SingleDesign& d) {
   fmt::print("{:.1f} s CPU; {} and {}\n", d.cpu_s, d.recording_path, d.observables_path);
 }
 
-int simulate_scene(const Options& options) {
+int simulate_scene(const SimulateArguments& options) {
   if (!options.at.empty()) throw InputError("--at: is for studies; a scene has its numbers in its file");
   SceneFile file = read_scene(options.study, options.changes);
   file.scene->threads = options.threads_to_use();
@@ -122,7 +122,7 @@ int simulate_scene(const Options& options) {
   return exit_done;
 }
 
-int simulate(const Options& options) {
+int simulate(const SimulateArguments& options) {
   install_stop_signals();
   if (is_scene_file(options.study)) return simulate_scene(options);
   Study study = read_study(options.study, options.changes);
@@ -152,7 +152,7 @@ int simulate(const Options& options) {
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateArguments>();
   CLI::App* command =
       app.add_subcommand("simulate", "Run one design of a study, or one scene, and print its observables with errors.");
   command->add_option("FILE", options->study, "study file, or scene file with [scene] type = ... (TOML)")->required();

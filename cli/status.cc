@@ -22,7 +22,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct StatusArguments {
   std::string folder;
   bool json = false, watch = false, timeline = false;
 };
@@ -136,7 +136,7 @@ void redraw(const std::string& before, const std::string& text) {
   fmt::print("{}", text);
 }
 
-void status(const Options& options) {
+void status(const StatusArguments& options) {
   const bool terminal = !options.json && ::isatty(STDOUT_FILENO) != 0;
   if (options.watch) install_stop_signals();
   std::string before;
@@ -159,7 +159,7 @@ void status(const Options& options) {
 }  // namespace
 
 void add_status(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StatusArguments>();
   CLI::App* command = app.add_subcommand("status", "How far a sweep is; works while it runs and changes nothing.");
   command->add_option("OUT", options->folder, "output folder of a run")->required();
   command->add_flag("--json", options->json, "one JSON object on standard output (with --watch: one a line)");

@@ -22,13 +22,13 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct VerifyArguments {
   std::string folder;
   std::vector<std::string> only;
   bool full = false, json = false;
 };
 
-int verify(const Options& options) {
+int verify(const VerifyArguments& options) {
   install_stop_signals();
   make_folder(options.folder);
   Reporter reporter;
@@ -103,7 +103,7 @@ int verify(const Options& options) {
 }  // namespace
 
 void add_verify(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand(
       "verify",
       "Prove the engine: closed forms, measured data and an independent method, as a table of pass and FAIL.");

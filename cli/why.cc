@@ -14,7 +14,7 @@
 namespace drumsweep {
 namespace {
 
-struct Options {
+struct WhyArguments {
   std::string folder, id;
   std::vector<double> at;
   bool json = false;
@@ -59,7 +59,7 @@ void print_text(const DesignStory& story) {
   if (!story.retry.empty()) fmt::print("to do      {}\n", story.retry);
 }
 
-void why(const Options& options) {
+void why(const WhyArguments& options) {
   if (options.id.empty() == options.at.empty())
     throw InputError("why: needs an ID or --at with values, and not both; `drumsweep why --help` has examples");
   const DesignStory story = story_of(options.folder, options.id, options.at);
@@ -72,7 +72,7 @@ void why(const Options& options) {
 }  // namespace
 
 void add_why(CLI::App& app, int&) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WhyArguments>();
   CLI::App* command = app.add_subcommand("why", "What became of one design, and why.");
   command->add_option("OUT", options->folder, "output folder of a run")->required();
   command->add_option("ID", options->id, "design id, as in results.csv, or an unambiguous beginning of it");

@@ -28,7 +28,7 @@ install_packages() {
 build() {
   local preset=$1 target=$2
   shift 2
-  cmake --preset "$preset" "$@" >/dev/null
+  cmake --preset "$preset" -DDRUMSWEEP_JOIN_SOURCES=ON "$@" >/dev/null
   cmake --build --preset "$preset" --target "$target" -- --quiet
 }
 

@@ -91,7 +91,7 @@ class Examination {
   }
 
  private:
-  void add(Findings findings) {
+  void add(std::vector<Finding> findings) {
     for (Finding& f : findings) report_.findings.push_back(std::move(f));
   }
 
@@ -261,8 +261,8 @@ void serve_examination(Farm& farm) {
   farm.close();
 }
 
-Findings examine_surroundings(bool launched) {
-  Findings findings{time_left()};
+std::vector<Finding> examine_surroundings(bool launched) {
+  std::vector<Finding> findings{time_left()};
   if (const char* threads = std::getenv("OMP_NUM_THREADS"))
     findings.push_back({Level::warning, "environment", fmt::format("OMP_NUM_THREADS = {} has no effect here", threads),
                         "`run --threads` sets the threads of a rank"});

@@ -14,7 +14,7 @@ struct DoctorOptions {
 };
 
 struct DoctorReport {
-  Findings findings;
+  std::vector<Finding> findings;
   int ranks = 1;
   double write_ms = 0;       ///< of a durable write of 0.3 MB, median; 0: not possible
   double round_trip_us = 0;  ///< of a message from rank 0 to another and back, the slowest median; 0: one rank
@@ -28,6 +28,6 @@ DoctorReport examine(Farm& farm, const DoctorOptions& options);
 void serve_examination(Farm& farm);
 
 /// What one process can say without the others: environment, Slurm, versions.
-Findings examine_surroundings(bool launched);
+std::vector<Finding> examine_surroundings(bool launched);
 
 }  // namespace drumsweep

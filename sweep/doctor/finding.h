@@ -18,6 +18,5 @@ struct Finding {
   std::string advice;   ///< what to do about it; empty when all is well
 };
 
-using Findings = std::vector<Finding>;
 
 }  // namespace drumsweep

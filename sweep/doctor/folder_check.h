@@ -18,7 +18,7 @@ class FolderCheck {
   FolderCheck(const FolderCheck&) = delete;
   FolderCheck& operator=(const FolderCheck&) = delete;
 
-  const Findings& findings() const { return findings_; }
+  const std::vector<Finding>& findings() const { return findings_; }
   /// False when nothing can be written there; then there is nothing for other ranks to look at.
   bool writable() const { return write_ms_ > 0; }
   double write_ms() const { return write_ms_; }  ///< of a durable write, median; 0 when it fails
@@ -34,7 +34,7 @@ class FolderCheck {
   void try_writing();
   void try_locking();
 
-  Findings findings_;
+  std::vector<Finding> findings_;
   std::string base_, token_;
   double write_ms_ = 0;
   std::unique_ptr<OutputLock> lock_;

@@ -178,9 +178,9 @@ std::string cpu_ranges(const std::vector<int>& cpus) {
   return out;
 }
 
-Findings judge_ranks(const std::vector<RankFacts>& facts, int threads) {
+std::vector<Finding> judge_ranks(const std::vector<RankFacts>& facts, int threads) {
   const auto hosts = by_host(facts);
-  Findings findings{judge_hosts(hosts, facts.size())};
+  std::vector<Finding> findings{judge_hosts(hosts, facts.size())};
   if (const auto versions = distinct(facts, &RankFacts::version); versions.size() > 1)
     findings.push_back({Level::problem, "versions", fmt::format("the ranks run {}", fmt::join(versions, " and ")),
                         "all nodes need the same build: put it on the file system that they share"});

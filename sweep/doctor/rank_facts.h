@@ -27,7 +27,7 @@ RankFacts unpack_facts(const std::string& text);
 /// Versions, hosts, binding and cores against ranks, threads, vector instructions, memory. A pure function.
 /// @param facts  of all ranks, at least one; one on a machine that no launcher was used on
 /// @param threads  that each rank would use
-Findings judge_ranks(const std::vector<RankFacts>& facts, int threads);
+std::vector<Finding> judge_ranks(const std::vector<RankFacts>& facts, int threads);
 
 /// "0-3,8": for people.
 std::string cpu_ranges(const std::vector<int>& cpus);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/scene/scene_value.h"
 #include "support/complaint.h"
 
 namespace drumsweep {
@@ -18,12 +19,6 @@ SceneFile conveyor(const std::string& keys, const std::string& tables = "") {
       "test.toml");
 }
 const std::string even = "band_end_m = 0.06\nheap_at_m = 0.03\n";
-
-double observed(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
-}
 
 class Conveyor : public testing::TestWithParam<const char*> {
  protected:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/scene/scene_value.h"
 #include "support/complaint.h"
 
 namespace drumsweep {
@@ -14,12 +15,6 @@ SceneFile packing(const std::string& keys, const std::string& tables = "", doubl
   const std::string width = "width_m = " + std::to_string(side) + "\ndepth_m = " + std::to_string(side) + "\n";
   return parse_scene("[scene]\ntype = \"packing\"\n" + width + "margin_diameters = 1.0\n" + keys + "\n" + tables,
                      "test.toml");
-}
-
-double observed(const SceneResult& result, const std::string& name) {
-  for (const Observable& o : result.observables)
-    if (o.name == name) return o.value;
-  return std::nan("");
 }
 
 class Packing : public testing::TestWithParam<const char*> {

@@ -120,7 +120,7 @@ TEST(SliceField, of_nothing_says_that_there_is_nothing) {
 
 // --- the scene
 
-RotatingDrumScene small() {
+RotatingDrumScene small_slice() {
   RotatingDrumScene scene;
   scene.diameter_m = 0.12;
   scene.length_m = 0.043;
@@ -137,7 +137,7 @@ TEST(RotatingDrum, carries_its_bed_to_a_slope_that_flows_down_while_the_wall_tak
     Physics p;
     p.step.method = method;
     if (p.step.method == "smooth") p.solver.outer_step_s = 0.002;
-    RotatingDrumScene scene = small();
+    RotatingDrumScene scene = small_slice();
     if (p.step.method == "smooth") scene.settle_turns = scene.record_turns = 0.15;
     const SceneResult r = scene.run(p, {});
     EXPECT_EQ(r.lost, 0);
@@ -161,7 +161,7 @@ TEST(RotatingDrum, carries_its_bed_to_a_slope_that_flows_down_while_the_wall_tak
 }
 
 TEST(RotatingDrum, is_a_function_of_its_file_and_seed) {
-  RotatingDrumScene scene = small();
+  RotatingDrumScene scene = small_slice();
   scene.settle_turns = 0.02;
   scene.record_turns = 0.05;
   Physics p;
@@ -173,7 +173,7 @@ TEST(RotatingDrum, is_a_function_of_its_file_and_seed) {
 }
 
 TEST(RotatingDrum, coating_and_texture_height_act) {
-  RotatingDrumScene scene = small();
+  RotatingDrumScene scene = small_slice();
   scene.settle_turns = 0.1;
   scene.record_turns = 0.02;
   const auto lowest = [&](const Physics& p) {
@@ -193,7 +193,7 @@ TEST(RotatingDrum, coating_and_texture_height_act) {
 }
 
 TEST(RotatingDrum, fed_at_one_end_loses_balls_over_the_other_and_none_elsewhere) {
-  RotatingDrumScene scene = small();
+  RotatingDrumScene scene = small_slice();
   scene.ends = "open_fed";
   scene.inclination_deg = 10;
   scene.length_m = 0.1;
@@ -213,7 +213,7 @@ TEST(RotatingDrum, fed_at_one_end_loses_balls_over_the_other_and_none_elsewhere)
 }
 
 TEST(RotatingDrum, keeps_its_balls_between_end_walls) {
-  RotatingDrumScene scene = small();
+  RotatingDrumScene scene = small_slice();
   scene.ends = "walls";
   scene.settle_turns = 0.1;
   scene.record_turns = 0.1;
@@ -240,7 +240,7 @@ TEST(RotatingDrum, refuses_what_it_cannot_do_naming_the_key) {
   refused("fill = 0.3\nfeed_kg_s = 1.0", "", "scene.feed_kg_s");
   refused("ends = \"open_fed\"", "", "scene.feed_kg_s");
   refused("ends = \"open\"\nfill = 0.3", "", "periodic | walls | open_fed");
-  RotatingDrumScene full = small();
+  RotatingDrumScene full = small_slice();
   full.fill = 0.5;
   full.fill_packing = 0.74;
   EXPECT_THROW(full.run(Physics{}, {}), InputError);

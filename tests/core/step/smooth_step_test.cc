@@ -33,7 +33,7 @@ SceneRun on_plate(const Physics& physics, const Eigen::Vector3d& gravity_vector,
   return run;
 }
 
-constexpr double radius = 0.005;
+constexpr double ball_radius = 0.005;
 
 TEST(SmoothStep, rebounds_with_the_restitution_that_was_asked_for_at_any_speed) {
   for (const double e : {0.2, 0.6, 0.95})
@@ -41,7 +41,7 @@ TEST(SmoothStep, rebounds_with_the_restitution_that_was_asked_for_at_any_speed) 
       Physics p = smooth();
       p.step.steps_per_contact = 100;
       p.material.restitution = e;
-      SceneRun run = on_plate(p, Eigen::Vector3d::Zero(), radius + 1e-5, {0, 0, -speed});
+      SceneRun run = on_plate(p, Eigen::Vector3d::Zero(), ball_radius + 1e-5, {0, 0, -speed});
       run.run_until("falling", 0.1);
       EXPECT_NEAR(run.state.balls.velocity[0][2] / speed, e, 0.01) << speed;
     }
@@ -51,24 +51,24 @@ TEST(SmoothStep, contact_lasts_as_long_as_hertz_says) {
   Physics p = smooth();
   p.material.restitution = 1;
   p.solver.outer_step_s = 1e-5;
-  SceneRun run = on_plate(p, Eigen::Vector3d::Zero(), radius, {0, 0, -1});
+  SceneRun run = on_plate(p, Eigen::Vector3d::Zero(), ball_radius, {0, 0, -1});
   int touching = 0;
   for (int i = 0; i < 2000; ++i) {
     run.step("falling", 1);
     touching += run.state.walls.empty() ? 0 : 1;
   }
-  const double m = 1 / run.world.inverse_mass(radius), k = run.world.walls[0].surface.stiffness(radius);
+  const double m = 1 / run.world.inverse_mass(ball_radius), k = run.world.walls[0].surface.stiffness(ball_radius);
   const double expected = 2.943 * std::pow(1.25 * m / k, 0.4);
   EXPECT_NEAR(touching * 1e-5, expected, 0.01 * expected);
   EXPECT_NEAR(run.state.balls.velocity[0][2], 1, 1e-3);
 }
 
 TEST(SmoothStep, resting_ball_sinks_by_the_hertz_overlap) {
-  SceneRun run = on_plate(smooth(), {0, 0, -9.81}, radius, Eigen::Vector3d::Zero());
+  SceneRun run = on_plate(smooth(), {0, 0, -9.81}, ball_radius, Eigen::Vector3d::Zero());
   run.run_until("resting", 2);
-  const double m = 1 / run.world.inverse_mass(radius), k = run.world.walls[0].surface.stiffness(radius);
+  const double m = 1 / run.world.inverse_mass(ball_radius), k = run.world.walls[0].surface.stiffness(ball_radius);
   const double expected = std::pow(m * 9.81 / k, 2.0 / 3);
-  EXPECT_NEAR(radius - run.state.balls.position[0][2], expected, 1e-3 * expected);
+  EXPECT_NEAR(ball_radius - run.state.balls.position[0][2], expected, 1e-3 * expected);
 }
 
 TEST(SmoothStep, sliding_ball_ends_rolling_at_five_sevenths_and_rolling_friction_stops_it_at_its_rate) {
@@ -76,7 +76,7 @@ TEST(SmoothStep, sliding_ball_ends_rolling_at_five_sevenths_and_rolling_friction
   p.material.friction = 0.3;
   for (const double rolling : {0.0, 0.02}) {
     p.effects.rolling_friction = rolling;
-    SceneRun run = on_plate(p, {0, 0, -9.81}, radius, Eigen::Vector3d::Zero());
+    SceneRun run = on_plate(p, {0, 0, -9.81}, ball_radius, Eigen::Vector3d::Zero());
     run.run_until("resting", 1);
     run.state.balls.velocity[0] = {1, 0, 0};
     run.run_until("sliding", 1.3);
@@ -95,13 +95,13 @@ TEST(SmoothStep, holds_a_ball_on_an_incline_by_the_tangential_spring_and_rolling
   Physics p = smooth();
   p.effects.rolling_friction = 0.3;
   const double tan = 0.25, g = 9.81;
-  SceneRun run = on_plate(p, Eigen::Vector3d(tan, 0, -1).normalized() * g, radius, Eigen::Vector3d::Zero());
+  SceneRun run = on_plate(p, Eigen::Vector3d(tan, 0, -1).normalized() * g, ball_radius, Eigen::Vector3d::Zero());
   run.run_until("settling", 1);
   const double x = run.state.balls.position[0][0];
   run.run_until("resting", 3);
   EXPECT_NEAR(run.state.balls.position[0][0], x, 1e-7);
   p.effects.rolling_friction = 0.2;
-  SceneRun rolls = on_plate(p, Eigen::Vector3d(tan, 0, -1).normalized() * g, radius, Eigen::Vector3d::Zero());
+  SceneRun rolls = on_plate(p, Eigen::Vector3d(tan, 0, -1).normalized() * g, ball_radius, Eigen::Vector3d::Zero());
   rolls.run_until("rolling", 1);
   EXPECT_GT(rolls.state.balls.position[0][0], 0.05);
 }
@@ -144,7 +144,7 @@ TEST(SmoothStep, agrees_with_the_nonsmooth_step_on_a_heap_at_rest) {
     World world(p, 0.5);
     world.add_wall(box_mesh({0, 0, 0}, {0.05, 0.05, 0.2}), 0.05);
     SceneRun run(std::move(world), {}, {-0.01, -0.01, -0.01}, {0.06, 0.06, 0.3});
-    for (const Eigen::Vector3d& at : lattice({0, 0, 0}, {0.05, 0.05, 0.06}, radius, 1)) run.add(at);
+    for (const Eigen::Vector3d& at : lattice({0, 0, 0}, {0.05, 0.05, 0.06}, ball_radius, 1)) run.add(at);
     run.run_until("settling", 0.8);
     double weight = 0;
     for (const double r : run.state.balls.radius) weight += 9.81 / run.world.inverse_mass(r);

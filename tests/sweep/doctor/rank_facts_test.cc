@@ -11,7 +11,7 @@ RankFacts rank_on(const std::string& host, std::vector<int> cpus, int online = 4
   return {host, std::move(cpus), online, 8'000'000'000, "scalar", "1.0"};
 }
 
-const Finding& about(const Findings& findings, const std::string& subject) {
+const Finding& about(const std::vector<Finding>& findings, const std::string& subject) {
   const auto found =
       std::find_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.subject == subject; });
   if (found == findings.end()) throw std::runtime_error("nothing about " + subject);
