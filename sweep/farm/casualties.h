@@ -1,10 +1,11 @@
 /// Designs that die with their process: told from those that merely were there, tried again, and in the end put into
 /// quarantine, so that one poisonous design costs a bounded number of attempts and all others complete.
 ///
-/// A process that dies of a signal of its own, or hangs and is ended (hang_watch.h), leaves a note (crash_note.h): two such crashes are enough. One that was
-/// killed leaves nothing; the design is then suspected only if it has not written a new checkpoint in that attempt, and
-/// five such attempts in a row are enough. Suspects are simulated last. Where a rank has crashed, the others that mpirun
-/// ended with it are not suspected. All of this is remembered in provenance.csv, so it holds across runs and requeues.
+/// A process that dies of a signal of its own leaves a note (crash_note.h), and so does one that hangs and is ended
+/// (hang_watch.h): two such crashes are enough. One that was killed leaves nothing; the design is then suspected only if it
+/// has not written a new checkpoint in that attempt, and five such attempts in a row are enough. Suspects are simulated
+/// last. Where a rank has crashed, the others that mpirun ended with it are not suspected. All of this is remembered in
+/// provenance.csv, so it holds across runs and requeues.
 #pragma once
 
 #include <optional>
