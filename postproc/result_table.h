@@ -26,6 +26,8 @@ struct ResultRow {
   double iterations = none;         ///< of the solver, mean
   std::string state_hash;
   std::string reason;  ///< why a design is not done; free text
+
+  bool has_value() const { return state == "done" || state == "untrusted"; }
 };
 
 struct ResultTable {

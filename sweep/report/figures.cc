@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::size_t most_maps = 6, most_landings = 1500;
 
-bool has_value(const ResultRow& row) { return row.state == "done" || row.state == "untrusted"; }
-
 /// Variables that differ between rows.
 std::vector<std::size_t> varying(const ResultTable& table) {
   std::vector<std::size_t> list;
@@ -86,7 +84,7 @@ std::string scatter_chart(const ReportData& data, std::size_t v) {
   std::vector<double> xs, fs;
   for (std::size_t i = 0; i < data.table.rows.size(); ++i) {
     const ResultRow& row = data.table.rows[i];
-    if (!has_value(row)) continue;
+    if (!row.has_value()) continue;
     const ChartPoint point{row.variables[v], 1000 * row.f_m, 1000 * row.sigma_f_m, run_tip(data, i)};
     (row.state == "done" ? done : untrusted).push_back(point);
     xs.push_back(point.x);
@@ -133,7 +131,7 @@ std::string run_tip(const ReportData& data, std::size_t i) {
 }
 
 std::string contours_html(ReportData& data) {
-  const auto valued = std::count_if(data.table.rows.begin(), data.table.rows.end(), has_value);
+  const auto valued = std::ranges::count_if(data.table.rows, &ResultRow::has_value);
   if (valued < 2) return "<p>There are too few designs with a value for a figure.</p>\n";
   const ResultTable means = with_means_of_replicates(data.table);
   std::string html;
@@ -154,7 +152,7 @@ std::string contours_html(ReportData& data) {
     for (std::size_t s = 0; s < data.study.stages.size(); ++s)
       if (data.study.stages[s].type != "replicate" &&
           std::count_if(data.table.rows.begin(), data.table.rows.end(), [&](const ResultRow& row) {
-            return has_value(row) && row.stage == data.study.stages[s].name;
+            return row.has_value() && row.stage == data.study.stages[s].name;
           }) > 2)
         stages.push_back(s);
     if (stages.size() > 1 && planes.size() == 1) {

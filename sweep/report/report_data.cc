@@ -58,14 +58,12 @@ Answer answer_of(const ReportData& data) {
   return a;
 }
 
-bool has_value(const ResultRow& row) { return row.state == "done" || row.state == "untrusted"; }
-
 /// The simulated design nearest to the answer, distances over the range of each variable among the rows.
 const ResultRow* row_near(const ReportData& data, const Answer& answer) {
   const ResultRow* nearest = nullptr;
   double least = 0;
   for (const ResultRow& row : data.table.rows) {
-    if (row.state != "done" && !(answer.untrusted && has_value(row))) continue;
+    if (row.state != "done" && !(answer.untrusted && row.has_value())) continue;
     double distance = 0;
     for (const auto& [name, value] : answer.at) {
       const auto column = std::find(data.table.variable_names.begin(), data.table.variable_names.end(), name);
@@ -130,7 +128,7 @@ void find_samples(ReportData& data, RecordingIndex& recordings) {
     const ResultRow* nearest = nullptr;
     double least = 1;
     for (const ResultRow& row : data.table.rows) {
-      if (!has_value(row)) continue;
+      if (!row.has_value()) continue;
       const double distance = std::hypot((row.variables[*angle] - point.opening_angle) / 0.0101,
                                          (row.variables[*width] - point.base_width_m) / 0.00301);
       if (distance < least) {
