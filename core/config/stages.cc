@@ -31,6 +31,8 @@ std::vector<Field> stage_fields(StageConfig& s, const char* prefix) {
     table.count("budget", s.budget, 1, 100000, "designs, the initial ones included");
     table.count("initial", s.initial, 1, 100000, "spread evenly before the first fit; earlier results count");
     table.count("batch", s.batch, 1, 1000, "designs chosen together from one fit");
+    table.number("least_gain_m", s.least_gain_m, 0, 1,
+                 "ends when a batch is expected to lower f by less; 0: spends the budget");
   } else if (s.type == "replicate") {
     table.count("designs", s.designs, 1, 100000, "the optimum of the fit, then the best simulated ones");
     table.count("replicates", s.replicates, 1, 100000, "of each design");

@@ -173,6 +173,7 @@ struct StageConfig {
   std::int64_t budget = 40;     ///< adaptive: designs, the initial ones included
   std::int64_t initial = 12;    ///< adaptive: spread evenly before the first fit; results of earlier stages count
   std::int64_t batch = 4;       ///< adaptive: designs chosen together from one fit
+  double least_gain_m = 0;      ///< adaptive: ends before its budget when a batch is expected to lower f by less
   std::int64_t designs = 1;     ///< replicate: the optimum of the fit, then the best that have been simulated
   std::int64_t replicates = 4;  ///< replicate: of each
   double turns = not_given;     ///< replicate: recorded, instead of record.turns

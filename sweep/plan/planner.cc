@@ -261,6 +261,14 @@ struct Planner::Search {
     const auto count = static_cast<int>(std::min(budget - spent, static_cast<std::size_t>(config().batch)));
     const Batch batch = next_batch(*known.surface, count, study.seed + static_cast<std::int64_t>(spent), {},
                                    [&](const Point& point) { return has_geometry(point); });
+    if (!batch.runs.empty() && batch.batch_gain_m < config().least_gain_m) {
+      note(
+          fmt::format("ended after {} of {} designs: {} more would lower f at the optimum by {:.2g} m, less than "
+                      "least_gain_m = {:g}",
+                      spent, budget, batch.runs.size(), batch.batch_gain_m, config().least_gain_m));
+      summary().complete = true;
+      return;
+    }
     note(fmt::format("after {} designs: {}", spent, batch.reason));
     for (const Proposal& run : batch.runs) add(run.at, run.replicate);
     if (batch.runs.empty()) summary().complete = true;

@@ -232,6 +232,17 @@ variables = [
   EXPECT_TRUE(find(line.study, line.planner.plan(), line.row_of())->optimum);
 }
 
+TEST(Planner, an_adaptive_stage_ends_when_little_is_left_to_gain) {
+  const auto designs = [](const std::string& least_gain) {
+    Game game(head + "[[stage]]\nname = \"learn\"\ntype = \"adaptive\"\nbudget = 24\ninitial = 8\nbatch = 4\n" +
+              least_gain + "variables = [ { key = \"outlet.base_width_m\", from = 0.02, to = 0.06 } ]\n");
+    game.play({});
+    return game.planner.plan().stages[0].designs.size();
+  };
+  EXPECT_EQ(designs(""), 24u);
+  EXPECT_EQ(designs("least_gain_m = 1.0\n"), 8u);
+}
+
 TEST(Planner, a_folder_is_looked_at_without_deciding_anything_anew) {
   Game game(all_searches);
   game.play({});
