@@ -5,15 +5,16 @@
 #   line         which opening angle would give the outflow that S1 describes                   0.1
 #   holdup       what sets the number of balls in the lab drum                                   0.6
 #   convergence  f of S1's optimum over time step and iterations                                 7
-#   adaptive     S1's surface and optimum with a twentieth of its simulations                    1.1
+#   adaptive     S1's surface and optimum with a thirtieth of its simulations                    1.0
 #   pellets      S0's validation systems                                                         0.1
+#   slice        how fast smooth and nonsmooth steps carry balls along the drum                  0.6
 # As many runs side by side as there are cores.   PART --list: only says what would run.
 set -euo pipefail
 part=${1:?which part? see the top of this file}
 out=${2:-papers}
 [ "$out" = --list ] || out=$(realpath -m -- "$out")
 program=${DRUMSWEEP:+$(realpath -- "$DRUMSWEEP")}
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source "$(dirname "${BASH_SOURCE[0]}")/../cluster/setup.sh" # goes to the project's folder, and lets root use MPI
 program=${program:-$PWD/build/release/drumsweep}
 
 # One line a run: folder, study, keys.
@@ -94,6 +95,19 @@ runs() {
       echo "bed_rolling_0.30 scenes/conveyor.toml"
       echo "bed_no_rolling scenes/conveyor.toml effects.rolling_friction=0"
       ;;
+    slice)
+      # The lab drum's load in 0.2 m, periodic and inclined: holdup is feed over axial velocity.
+      local slice="scenes/drum.toml scene.inclination_deg=7.5 scene.fill=0.0275 scene.length_m=0.2 scene.settle_turns=3 scene.record_turns=8"
+      local smooth="$slice step.method=smooth step.contact_speed_m_s=0.3"
+      echo "10ms_x_25 $slice solver.outer_step_s=0.010 solver.sub_steps=1 solver.iterations=25"
+      echo "2ms_x_10 $slice solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=10"
+      echo "2ms_x_25 $slice solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=25"
+      echo "1ms_x_50 $slice solver.outer_step_s=0.008 solver.sub_steps=8 solver.iterations=50"
+      echo "smooth_25 $smooth"
+      echo "smooth_50 $smooth step.steps_per_contact=50"
+      echo "smooth_100 $smooth step.steps_per_contact=100"
+      echo "smooth_200 $smooth step.steps_per_contact=200"
+      ;;
     *)
       echo "reproduce.sh: $part: no such part; see the top of the file" >&2
       return 2
@@ -141,7 +155,7 @@ names=()
 for name in $(cut -d' ' -f1 <<<"$list"); do
   if [ -e "$name/study.toml" ] || compgen -G "$name/*_observables.csv" >/dev/null; then names+=("$name"); fi
 done
-if [ "$part" = pellets ]; then
+if [[ $list == *scenes/* ]]; then
   head -qn1 "${names[0]}"/*_observables.csv | sed 's/^/run,/' >"$table"
   for name in "${names[@]}"; do sed "1d; s/^/$name,/" "$name"/*_observables.csv >>"$table"; done
 else
@@ -159,5 +173,10 @@ if [ "$part" = samples ] && command -v gnuplot >/dev/null && command -v ffmpeg >
     ffmpeg -loglevel error -y "${pictures[@]}" -filter_complex hstack=inputs=4,scale=1500:-1 \
       "$(dirname "$table")/samples_$unit.png"
   done
+fi
+if [ "$part" = adaptive ]; then
+  "$program" rescore deg --belt-speed 0.125,0.5 -o belt_speed.csv
+  cp belt_speed_summary.csv "$(dirname "$table")/belt_speed.csv"
+  if command -v gnuplot >/dev/null; then "$program" contour deg -o "$(dirname "$table")/surface_deg.png"; fi
 fi
 exit $failed
