@@ -9,6 +9,7 @@ namespace {
 
 constexpr double same_direction = 0.985;  // cosine of 10 degrees
 constexpr double nearer = 1 - 1e-10;      // on squared distances: beyond rounding
+constexpr double rounding = 1 - 1e-6;     // on lengths kept in float
 
 struct Candidate {
   std::int32_t triangle;
@@ -34,20 +35,24 @@ Eigen::Vector3d front_of(const TriangleMesh& mesh, std::int32_t triangle) {
 }  // namespace
 
 void wall_contacts(const TriangleMesh& mesh, std::span<const std::int32_t> candidates, const Eigen::Vector3d& centre,
-                   double max_distance, bool in_front, std::vector<WallContact>& contacts) {
+                   double max_distance, bool in_front, std::vector<WallContact>& contacts, const WallSight& sight) {
   contacts.clear();
 
   // Closest point on each triangle; those out of range cannot matter to the others.
   std::array<Candidate, 64> near;
   std::size_t num_near = 0;
   const double range = max_distance * max_distance;
-  for (const std::int32_t t : candidates) {
+  const bool remembers = !sight.reached_after.empty();
+  for (std::size_t n = 0; n < candidates.size(); ++n) {
+    if (remembers && sight.reached_after[n] > sight.travelled + max_distance) continue;
+    const std::int32_t t = candidates[n];
     const auto& [i, j, k] = mesh.triangles[static_cast<std::size_t>(t)];
     const Eigen::Vector3d& a = mesh.vertices[static_cast<std::size_t>(i)];
     const Eigen::Vector3d& b = mesh.vertices[static_cast<std::size_t>(j)];
     const Eigen::Vector3d& c = mesh.vertices[static_cast<std::size_t>(k)];
     const ClosestPoint closest = closest_point(centre, a, b, c);
     const double squared = (centre - closest.point).squaredNorm();
+    if (remembers) sight.reached_after[n] = static_cast<float>((sight.travelled + std::sqrt(squared)) * rounding);
     if (squared > range) continue;
     const Candidate candidate{t, closest.feature, squared, closest.point};
     if (num_near < near.size()) {

@@ -18,6 +18,13 @@ struct WallContact {
   double distance;  ///< from the wall to the ball's centre; negative where a ball that must be in front is behind [m]
 };
 
+/// What is known of triangles that were looked at before: a centre that has travelled little cannot have reached one that was far off.
+struct WallSight {
+  std::span<float>
+      reached_after;  ///< (candidates, or empty) the centre is not at the triangle before it has travelled so far [m]
+  double travelled = 0;  ///< by now, in the frame of the mesh [m]
+};
+
 inline constexpr int max_wall_contacts = 6;  ///< of one ball; deeper ones win
 
 /// @param centre  of the ball, in the frame of the mesh [m]
@@ -26,7 +33,8 @@ inline constexpr int max_wall_contacts = 6;  ///< of one ball; deeper ones win
 /// through it.
 ///   Otherwise walls push to whichever side the centre is on.
 /// @param contacts  out: sorted by distance, all at most max_distance
+/// @param sight  of earlier looks at the same candidates; brought up to date
 void wall_contacts(const TriangleMesh& mesh, std::span<const std::int32_t> candidates, const Eigen::Vector3d& centre,
-                   double max_distance, bool in_front, std::vector<WallContact>& contacts);
+                   double max_distance, bool in_front, std::vector<WallContact>& contacts, const WallSight& sight = {});
 
 }  // namespace drumsweep

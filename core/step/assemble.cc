@@ -119,7 +119,7 @@ bool find_wall_rows(const World& world, const RowInput& in, const Balls& balls, 
     const std::size_t first_contact = w.impulse.size();
     packer.begin(slab.begin, slab.end);
     for (; n < w.candidates.balls.size() && w.candidates.balls[n].wall == index; ++n) {
-      const NearWall& near = w.candidates.balls[n];
+      NearWall& near = w.candidates.balls[n];
       const Eigen::Vector3d& place = balls.position[near.ball];
       const Eigen::Vector3d relative = balls.velocity[near.ball] - pose.wall_velocity(place);
       const double radius = balls.radius[near.ball];

@@ -26,8 +26,8 @@ MemoryUse memory_use(const DrumModel& model, const DrumState& state, const DrumW
   for (const auto& array : l.flight) use.work += held(array);
   for (const Slab& s : l.slabs) use.work += held(s.near, s.far, s.apart);
   for (const SlabWalls& w : a.walls)
-    use.work += held(w.candidates.balls, w.candidates.triangles, w.impulse, w.turn, w.old_impulse, w.old_turn, w.place,
-                     w.normal, w.velocity, w.overlap);
+    use.work += held(w.candidates.balls, w.candidates.triangles, w.candidates.reached_after, w.impulse, w.turn,
+                     w.old_impulse, w.old_turn, w.place, w.normal, w.velocity, w.overlap);
   for (const ContactBlock& block : a.problem.blocks)
     for (const ContactPacks* packs : {&block.pairs, &block.walls})
       use.work += held(packs->rows, packs->impulse, packs->wall_velocity, packs->turn, packs->wall_turn, packs->limits,

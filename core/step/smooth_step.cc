@@ -118,9 +118,10 @@ void list_smooth_contacts(const World& world, const Assembly& found, BallState& 
         const auto begin = static_cast<std::uint32_t>(out.candidates.triangles.size());
         for (std::uint32_t t = near.begin; t < near.end; ++t) append(out.candidates.triangles, from.triangles[t]);
         append(out.candidates.balls,
-               {near.ball, w, begin, static_cast<std::uint32_t>(out.candidates.triangles.size())});
+               NearWall{near.ball, w, begin, static_cast<std::uint32_t>(out.candidates.triangles.size())});
       }
     }
+  out.candidates.reached_after.assign(out.candidates.triangles.size(), 0.0f);
 }
 
 void apply_smooth_forces(const World& world, std::span<const double> inverse_mass, std::span<const Pose> poses,
@@ -182,7 +183,7 @@ void apply_smooth_forces(const World& world, std::span<const double> inverse_mas
   out.walls.clear();
   out.wall_turns.clear();
   WallMemory memory(state.walls);
-  for (const NearWall& near : out.candidates.balls) {
+  for (NearWall& near : out.candidates.balls) {
     const Wall& wall = world.walls[near.wall];
     const Pose& pose = poses[near.wall];
     const Law law{wall.surface, nu, h, turns};

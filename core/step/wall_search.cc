@@ -159,18 +159,28 @@ void find_wall_candidates(const World& world, const Balls& balls, const PairList
           std::sort(at, past);
           num = begin + static_cast<std::size_t>(std::unique(at, past) - at);
         }
-        if (num > begin) append(out.balls, {i, w, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(num)});
+        if (num > begin)
+          append(out.balls, NearWall{i, w, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(num)});
       }
     }
   }
+  out.reached_after.assign(world.search.horizon > 1.5 * world.time_step ? num : 0, 0.0f);
 }
 
-void contacts_of(const World& world, const Balls& balls, const NearWall& near, const WallCandidates& candidates,
-                 const Pose& pose, double max_distance, std::vector<WallContact>& contacts) {
+void contacts_of(const World& world, const Balls& balls, NearWall& near, WallCandidates& candidates, const Pose& pose,
+                 double max_distance, std::vector<WallContact>& contacts) {
   const Wall& wall = world.walls[near.wall];
   const bool in_front = wall.one_sided && balls.exit[near.ball] == static_cast<std::uint8_t>(Exit::inside);
-  wall_contacts(wall.mesh, {candidates.triangles.data() + near.begin, near.end - near.begin},
-                pose.to_body(balls.position[near.ball]), max_distance, in_front, contacts);
+  const Eigen::Vector3d centre = pose.to_body(balls.position[near.ball]);
+  const std::size_t num = near.end - near.begin;
+  WallSight sight;
+  if (!candidates.reached_after.empty()) {
+    near.travelled = near.travelled < 0 ? 0 : near.travelled + (centre - near.last).norm();
+    near.last = centre;
+    sight = {{candidates.reached_after.data() + near.begin, num}, near.travelled};
+  }
+  wall_contacts(wall.mesh, {candidates.triangles.data() + near.begin, num}, centre, max_distance, in_front, contacts,
+                sight);
 }
 
 void WallMemory::turn_to(std::uint32_t wall, std::uint32_t ball) {

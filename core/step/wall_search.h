@@ -14,10 +14,13 @@ namespace drumsweep {
 struct NearWall {
   std::uint32_t ball, wall;
   std::uint32_t begin, end;  ///< range in WallCandidates::triangles
+  double travelled = -1;  ///< in the wall's frame since it was first looked at, up to `last`; -1: never looked at [m]
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
 };
 struct WallCandidates {
   std::vector<NearWall> balls;  ///< by wall, then by ball
   std::vector<std::int32_t> triangles;
+  std::vector<float> reached_after;  ///< (triangles), or empty where each step searches anew: see WallSight
 };
 
 /// Lists, for every ball of a slab near a wall, the triangles within its reach: contact distance, margin, and what it can
@@ -27,9 +30,10 @@ void find_wall_candidates(const World& world, const Balls& balls, const PairList
                           std::span<const double> inverse_mass, std::span<const Pose> poses,
                           WallCandidates& candidates);
 
-/// Contacts of one ball with its candidates, as the step sees them.
-void contacts_of(const World& world, const Balls& balls, const NearWall& near, const WallCandidates& candidates,
-                 const Pose& pose, double max_distance, std::vector<WallContact>& contacts);
+/// Contacts of one ball with its candidates, as the step sees them. A triangle is not
+/// looked at while the ball has travelled too little to be near it.
+void contacts_of(const World& world, const Balls& balls, NearWall& near, WallCandidates& candidates, const Pose& pose,
+                 double max_distance, std::vector<WallContact>& contacts);
 
 /// Finds what contacts of one ball with one wall were in the last time step, by the nearest direction, each once.
 class WallMemory {

@@ -136,6 +136,32 @@ TEST(WallContact, least_distance_equals_brute_force_over_the_drum) {
   }
 }
 
+TEST(WallContact, what_is_remembered_of_far_triangles_changes_no_contact) {
+  const TriangleMesh mesh =
+      surface(12, 0.004, [](double x, double y) { return 0.002 * std::sin(300 * x) * std::cos(200 * y); });
+  const auto triangles = all(mesh);
+  std::vector<WallContact> fresh, remembering;
+  for (std::uint64_t walk = 0; walk < 20; ++walk) {
+    std::vector<float> reached_after(triangles.size(), 0.0f);
+    Eigen::Vector3d centre(0.02, 0.025, 0.012);
+    double travelled = 0;
+    for (std::uint64_t step = 0; step < 200; ++step) {
+      const auto r = uniform4(9 + walk, Purpose::fill, step);
+      const double range = 0.005 + 0.003 * r[3];
+      wall_contacts(mesh, triangles, centre, range, true, fresh);
+      wall_contacts(mesh, triangles, centre, range, true, remembering, {reached_after, travelled});
+      ASSERT_EQ(fresh.size(), remembering.size()) << walk << " " << step;
+      for (std::size_t i = 0; i < fresh.size(); ++i) {
+        EXPECT_EQ(fresh[i].distance, remembering[i].distance);
+        EXPECT_EQ(fresh[i].normal, remembering[i].normal);
+      }
+      const Eigen::Vector3d way = 0.002 * Eigen::Vector3d(r[0] - 0.5, r[1] - 0.5, r[2] - 0.52);
+      travelled += way.norm();
+      centre += way;
+    }
+  }
+}
+
 TEST(WallContact, in_front_of_a_ridge_sharper_than_a_right_angle_no_face_claims_the_ball_is_behind) {
   const TriangleMesh mesh = surface(6, 0.01, [](double x, double) { return 0.06 - 2 * std::abs(x - 0.03); });
   const auto triangles = all(mesh);
