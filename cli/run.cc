@@ -101,9 +101,10 @@ void add_run(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->check(CLI::IsMember({"failed", "lost"}));
   command
-      ->add_option("--hang", options->hang_s,
-                   "a rank whose engine takes longer than so many seconds for one step is ended as if it had crashed; "
-                   "0: never")
+      ->add_option(
+          "--hang", options->hang_s,
+          "a rank whose engine takes longer than so many seconds for one outer step is ended as if it had crashed; "
+          "0: never")
       ->capture_default_str()
       ->check(number_between(0, 1e6));
   command->add_flag("--dedicated-master,!--no-dedicated-master", options->dedicated_master,

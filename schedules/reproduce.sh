@@ -7,7 +7,7 @@
 #   convergence  f of S1's optimum over time step and iterations                                 7
 #   adaptive     S1's surface and optimum with a thirtieth of its simulations                    1.0
 #   pellets      S0's validation systems                                                         0.1
-#   slice        how fast smooth and nonsmooth steps carry balls along the drum                  0.6
+#   slice        how fast smooth and nonsmooth steps carry balls along the drum                  1.2
 # As many runs side by side as there are cores.   PART --list: only says what would run.
 set -euo pipefail
 part=${1:?which part? see the top of this file}

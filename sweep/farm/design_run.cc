@@ -53,8 +53,10 @@ DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, c
       const HangWatch::Pause pause(watch);
       return !observer || observer(at);
     };
-    const Recording recording = continue_design(study, warm, design.values, progress, between_steps, how.threads);
-    const HangWatch::Pause no_more_steps(watch);
+    const Recording recording = [&] {
+      const HangWatch::Watched engine(watch);
+      return continue_design(study, warm, design.values, progress, between_steps, how.threads);
+    }();
     if (recording.stopped) {
       outcome.kind = DesignOutcome::Kind::stopped;
       checkpoint.save(progress);

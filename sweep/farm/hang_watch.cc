@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <system_error>
 
 #include "sweep/farm/crash_note.h"
 
@@ -32,11 +33,14 @@ class AllSignalsBlocked {
 
 }  // namespace
 
-HangWatch::HangWatch(std::string what, double limit_s) {
+HangWatch::HangWatch(const std::string& what, double limit_s) {
   if (limit_s <= 0) return;
   const AllSignalsBlocked inherited_by_the_thread;
-  thread_ =
-      std::jthread([this, what = std::move(what), limit_s](const std::stop_token& end) { watch(end, what, limit_s); });
+  try {
+    thread_ = std::jthread([this, what, limit_s](const std::stop_token& end) { watch(end, what, limit_s); });
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "drumsweep: {}: a hang would not be noticed: {}\n", what, error.what());
+  }
 }
 
 HangWatch::~HangWatch() = default;

@@ -150,6 +150,7 @@ class Master {
         requests = num_checkpoint_requests();
         return observer(at);
       };
+      const HangWatch::Watched engine(watch);
       return warm_up(study_, warm, between_steps, end_window, threads);
     });
     // Stopped inside a window; or a cap of no turns at all, which ends without any.

@@ -301,7 +301,7 @@ TEST(Fault, random_kills_change_nothing_and_no_completed_design_is_run_twice) {
   std::printf("seed %u, %d kills\n", seed, num_kills);
   std::mt19937 random(seed);
   const TestFolder folder;
-  const int turns = 8, nodes = num_kills > 50 ? 20 : 4;
+  const int turns = 8, nodes = num_kills > 50 ? 14 : 4;  // 196 recordings are not packed yet
   write_text(folder / "study.toml", tiny_study(turns, nodes));
   ASSERT_EQ(run_alone(folder, "reference").code, 0);
 
