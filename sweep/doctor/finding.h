@@ -18,5 +18,4 @@ struct Finding {
   std::string advice;   ///< what to do about it; empty when all is well
 };
 
-
 }  // namespace drumsweep
