@@ -17,9 +17,21 @@ program=${DRUMSWEEP:+$(realpath -- "$DRUMSWEEP")}
 source "$(dirname "${BASH_SOURCE[0]}")/../cluster/setup.sh" # goes to the project's folder, and lets root use MPI
 program=${program:-$PWD/build/release/drumsweep}
 
+# steps MILLISECONDS ITERATIONS: the keys
+steps() {
+  case $1 in
+    10) echo -n solver.outer_step_s=0.010 solver.sub_steps=1 ;;
+    5) echo -n solver.outer_step_s=0.010 solver.sub_steps=2 ;;
+    2) echo -n solver.outer_step_s=0.008 solver.sub_steps=4 ;;
+    1) echo -n solver.outer_step_s=0.008 solver.sub_steps=8 ;;
+  esac
+  echo " solver.iterations=$2"
+}
+
 # One line a run: folder, study, keys.
 runs() {
-  local fine="solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=10"
+  local fine step iterations
+  fine=$(steps 2 10)
   case $part in
     samples)
       local unit
@@ -53,16 +65,10 @@ runs() {
       ;;
     convergence)
       # The cheap ones first.
-      local study=lab2013_deg_optimum.toml step iterations
+      local study=lab2013_deg_optimum.toml
       echo "smooth $study step.method=smooth step.contact_speed_m_s=0.3"
       while read -r step iterations; do
-        echo "${step}ms_x_$iterations $study solver.iterations=$iterations $(
-          case $step in
-            10) echo solver.outer_step_s=0.010 solver.sub_steps=1 ;;
-            5) echo solver.outer_step_s=0.010 solver.sub_steps=2 ;;
-            2) echo solver.outer_step_s=0.008 solver.sub_steps=4 ;;
-            1) echo solver.outer_step_s=0.008 solver.sub_steps=8 ;;
-          esac)"
+        echo "${step}ms_x_$iterations $study $(steps "$step" "$iterations")"
       done <<<"10 10
 10 25
 5 10
@@ -99,10 +105,12 @@ runs() {
       # The lab drum's load in 0.2 m, periodic and inclined: holdup is feed over axial velocity.
       local slice="scenes/drum.toml scene.inclination_deg=7.5 scene.fill=0.0275 scene.length_m=0.2 scene.settle_turns=3 scene.record_turns=8"
       local smooth="$slice step.method=smooth step.contact_speed_m_s=0.3"
-      echo "10ms_x_25 $slice solver.outer_step_s=0.010 solver.sub_steps=1 solver.iterations=25"
-      echo "2ms_x_10 $slice solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=10"
-      echo "2ms_x_25 $slice solver.outer_step_s=0.008 solver.sub_steps=4 solver.iterations=25"
-      echo "1ms_x_50 $slice solver.outer_step_s=0.008 solver.sub_steps=8 solver.iterations=50"
+      while read -r step iterations; do
+        echo "${step}ms_x_$iterations $slice $(steps "$step" "$iterations")"
+      done <<<"10 25
+2 10
+2 25
+1 50"
       echo "smooth_25 $smooth"
       echo "smooth_50 $smooth step.steps_per_contact=50"
       echo "smooth_100 $smooth step.steps_per_contact=100"

@@ -18,11 +18,11 @@ struct WallContact {
   double distance;  ///< from the wall to the ball's centre; negative where a ball that must be in front is behind [m]
 };
 
-/// What is known of triangles that were looked at before: a centre that has travelled little cannot have reached one that was far off.
+/// What is known of triangles that were looked at before: a centre that has travelled little cannot have reached one
+/// that was far off.
 struct WallSight {
-  std::span<float>
-      reached_after;  ///< (candidates, or empty) the centre is not at the triangle before it has travelled so far [m]
-  double travelled = 0;  ///< by now, in the frame of the mesh [m]
+  std::span<float> reached_after;  ///< (candidates, or empty) travelled before the centre can be at the triangle [m]
+  double travelled = 0;            ///< by now, in the frame of the mesh [m]
 };
 
 inline constexpr int max_wall_contacts = 6;  ///< of one ball; deeper ones win

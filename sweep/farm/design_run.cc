@@ -46,15 +46,15 @@ DesignOutcome simulate_and_store(const OutputPaths& paths, const Study& study, c
       outcome.note = fmt::format("goes on from its checkpoint at outer step {}", progress.state.num_steps);
     const Observer between_steps = [&](const Progress& at) {
       {
-        const HangWatch::Pause pause(watch);
+        const HangWatch::Counting pause(watch, false);
         checkpoint.between_steps(progress, at);
       }
       fault.between_steps(at, progress);
-      const HangWatch::Pause pause(watch);
+      const HangWatch::Counting pause(watch, false);
       return !observer || observer(at);
     };
     const Recording recording = [&] {
-      const HangWatch::Watched engine(watch);
+      const HangWatch::Counting engine(watch, true);
       return continue_design(study, warm, design.values, progress, between_steps, how.threads);
     }();
     if (recording.stopped) {

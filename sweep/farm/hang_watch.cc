@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
@@ -51,7 +52,7 @@ void HangWatch::watch(const std::stop_token& end, const std::string& what, doubl
   std::condition_variable_any ended;
   std::unique_lock lock(mutex);
   while (!ended.wait_for(lock, end, nap, [&] { return end.stop_requested(); })) {
-    if (paused_ || ++naps_ * nap.count() < limit_s) continue;
+    if (!counts_ || ++naps_ * nap.count() < limit_s) continue;
     fmt::print(stderr, "drumsweep: {}: no step for {:g} s: it hangs. This process is ended (--hang)\n", what, limit_s);
     std::fflush(stderr);
     abort_as_hang();

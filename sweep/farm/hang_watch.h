@@ -2,15 +2,15 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <string>
 #include <thread>
 
 namespace drumsweep {
 
-/// While the engine computes (a Watched lives, no Pause does), a thread of its own counts the time since the last sign of life;
-/// after `limit_s` without one it says so on stderr and aborts the process, with "hang" in the note of the CrashNote that is alive. So a hang is dealt with as a
-/// crash is. The time is counted in naps: a process that is stopped, or a computer that sleeps, does not age.
+/// While the engine computes (see Counting), a thread of its own counts the time since the last sign of life; after
+/// `limit_s` without one it says so on stderr and aborts the process, with "hang" in the note of the CrashNote that is
+/// alive. So a hang is dealt with as a crash is. The time is counted in naps: a process that is stopped, or a computer
+/// that sleeps, does not age.
 class HangWatch {
  public:
   /// Where no thread can be had it says so, and watches nothing.
@@ -21,40 +21,29 @@ class HangWatch {
   HangWatch(const HangWatch&) = delete;
   HangWatch& operator=(const HangWatch&) = delete;
 
-  /// While it lives the engine computes.
-  class Watched {
+  /// While it lives time counts, as the engine computes, or does not: between two steps disks and other ranks may take
+  /// theirs. Begin and end are signs of life. Outside of any, time does not count.
+  class Counting {
    public:
-    explicit Watched(HangWatch& watch) : watch_(watch) {
+    Counting(HangWatch& watch, bool counts) : watch_(watch), before_(watch.counts_.exchange(counts)) {
       watch_.naps_ = 0;
-      watch_.paused_ = false;
     }
-    ~Watched() { watch_.paused_ = true; }
-    Watched(const Watched&) = delete;
-    Watched& operator=(const Watched&) = delete;
+    ~Counting() {
+      watch_.naps_ = 0;
+      watch_.counts_ = before_;
+    }
+    Counting(const Counting&) = delete;
+    Counting& operator=(const Counting&) = delete;
 
    private:
     HangWatch& watch_;
-  };
-
-  /// Between two steps: disks and other ranks may take their time. A sign of life too.
-  class Pause {
-   public:
-    explicit Pause(HangWatch& watch) : watch_(watch) { watch_.paused_ = true; }
-    ~Pause() {
-      watch_.naps_ = 0;
-      watch_.paused_ = false;
-    }
-    Pause(const Pause&) = delete;
-    Pause& operator=(const Pause&) = delete;
-
-   private:
-    HangWatch& watch_;
+    bool before_;
   };
 
  private:
   void watch(const std::stop_token& end, const std::string& what, double limit_s);
 
-  std::atomic<bool> paused_ = true;
+  std::atomic<bool> counts_ = false;
   std::atomic<int> naps_ = 0;
   std::jthread thread_;  ///< last: ends before what it reads
 };

@@ -134,7 +134,7 @@ class Master {
     const auto save = [&](const WarmState& w) { write_durably(path, pack_warm_state(study_, w)); };
     HangWatch watch(fmt::format("warm-up on {}", farm_.host()), options_.hang_s);
     const auto end_window = [&](const WarmState& w) {
-      const HangWatch::Pause pause(watch);
+      const HangWatch::Counting pause(watch, false);
       save(w);
       const WarmupWindow& last = w.windows.back();
       reporter_.info(fmt::format("warm-up: {} turns, in the last window {} balls in and {} out, {} inside",
@@ -145,12 +145,12 @@ class Master {
     int requests = num_checkpoint_requests();
     const bool ended = observed([&](const Observer& observer) {
       const Observer between_steps = [&](const Progress& at) {
-        const HangWatch::Pause pause(watch);
+        const HangWatch::Counting pause(watch, false);
         if (requests != num_checkpoint_requests()) save(warm);
         requests = num_checkpoint_requests();
         return observer(at);
       };
-      const HangWatch::Watched engine(watch);
+      const HangWatch::Counting engine(watch, true);
       return warm_up(study_, warm, between_steps, end_window, threads);
     });
     // Stopped inside a window; or a cap of no turns at all, which ends without any.

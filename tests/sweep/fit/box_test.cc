@@ -49,7 +49,7 @@ TEST(SpaceFilling, points_are_distinct_even_and_a_longer_set_begins_with_the_sho
     EXPECT_EQ(std::set<Point>(points.begin(), points.end()).size(), 64u);
     const std::vector<Point> fewer = space_filling(lattice_box, 20, seed);
     EXPECT_TRUE(std::equal(fewer.begin(), fewer.end(), points.begin()));
-    // Each sixteenth of the lattice_box has its 4 points, give or take 3 (independent points: 0 to 10).
+    // Each sixteenth of the box has its 4 points, give or take 3 (independent points: 0 to 10).
     std::array<int, 16> count{};
     for (const Point& p : points) {
       const Point u = to_unit(lattice_box, p);
